@@ -1,0 +1,33 @@
+#include <format>
+#include <iostream>
+
+#include <nlohmann/json.hpp>
+
+#include "apps/apps.h"
+
+namespace skinbench {
+
+int runSceneList(bool json) {
+    nlohmann::ordered_json rows = nlohmann::ordered_json::array();
+    for (const BuiltinScene& scene : builtinScenes()) {
+        if (!json)
+            std::cout << std::format("builtin:{:<10} {:>7} vertices  {}\n", scene.name, scene.defaultVertices,
+                                     scene.what);
+        rows.push_back({{"name", std::string("builtin:") + scene.name},
+                        {"what", scene.what},
+                        {"default_vertices", scene.defaultVertices}});
+    }
+    if (json) std::cout << rows.dump(1) << "\n";
+    return kExitDone;
+}
+
+int runSceneExport(const std::string& name, const std::string& out) {
+    auto scene = loadScene(name.find(':') == std::string::npos && name.find('.') == std::string::npos
+                               ? "builtin:" + name
+                               : name);
+    if (!scene) return reportError(scene.error());
+    auto saved = saveGlb(*scene, out);
+    return saved ? kExitDone : reportError(saved.error());
+}
+
+}  // namespace skinbench

@@ -1,0 +1,196 @@
+// The program `skinbench`: the words of the command line. What a subcommand does stands in its cmd_*.cpp.
+#include <CLI/CLI.hpp>
+
+#include <algorithm>
+#include <cmath>
+#include <iostream>
+#include <new>
+
+#include "apps/apps.h"
+#include "common/version.h"
+
+namespace skinbench {
+
+int reportError(const Error& error) {
+    std::cerr << "skinbench: " << error.text << "\n";
+    return error.fault == Fault::input ? kExitBadInput : kExitFailed;
+}
+
+void warn(const std::string& text) { std::cerr << "skinbench: warning: " << text << "\n"; }
+
+namespace {
+
+// A range alone lets NaN through.
+const CLI::Validator kFinite(
+    [](std::string& text) {
+        double value = 0;
+        return CLI::detail::lexical_cast(text, value) && std::isfinite(value) ? "" : text + " is not a number";
+    },
+    "");
+
+void addLists(CLI::App& command, Selectors& s) {
+    auto list = [&](const std::string& name, auto& into, const std::string& note) {
+        command.add_option("--" + name, into, selectorWords(name) + note)->delimiter(',')->allow_extra_args(false);
+    };
+    list("routes", s.routes, ", or auto (default: all)");
+    list("variants", s.variants, " (default: all)");
+    list("codecs", s.codecs, " (default: all)");
+    list("builders", s.builders, " (default: meshopt)");
+    list("layouts", s.layouts, " (default: redirect)");
+    list("raster", s.rasters, " (default: full)");
+    list("vertex-fetch", s.fetches, " (default: both)");
+    list("submission", s.submissions, " (default: per-copy)");
+    list("index-writes", s.indexWrites, ", on NV routes (default: packed)");
+    list("meshlets", s.meshlets, "VERTICES/TRIANGLES at the most (default: 64/124)");
+    list("influences", s.influences, "4, 8 (default: 4)");
+    list("group-size", s.groupSizes, "invocations of a mesh work group (default: 32)");
+}
+
+void addSelectors(CLI::App& command, Selectors& s) {
+    command.add_option("scene", s.scene, "a .gltf or .glb file, or builtin:NAME[:VERTICES]")->capture_default_str();
+    addLists(command, s);
+    command.add_option("--geometry", s.geometry, selectorWords("geometry"))->capture_default_str();
+    command.add_flag("--no-cache-order", s.noCacheOrder, "keep the file's triangle order");
+    command.add_flag("--keep-back-faces", s.keepBackFaces, "draw without the rasteriser's back-face culling");
+    command.add_option("--clip", s.clip, "name of the animation, or none (default: the first)");
+    command.add_option("--pose", s.pose, "frozen or animated")->capture_default_str();
+    command.add_option("--time", s.seconds, "seconds into the animation at the first frame")
+        ->check(kFinite & CLI::Range(0.0, 1e6))
+        ->capture_default_str();
+    command.add_option("--copies", s.copies, "characters, each with memory of its own (default: by device)")
+        ->check(CLI::Range(1u, 1'000'000u));
+    command.add_option("--frames", s.frames, "timed frames of a case (default: by device)")
+        ->check(CLI::Range(1u, 100'000u));
+    command.add_option("--warmup", s.warmup, "untimed frames in every round, repeated until times settle (default: by device)")
+        ->check(CLI::Range(0u, 10'000u))
+        ->each([&s](const std::string&) { s.warmupGiven = true; });
+    command.add_option("--rounds", s.rounds, "rounds that share the frames (default: by device)")
+        ->check(CLI::Range(1u, 1'000u));
+    command.add_option("--size", s.size, "WIDTHxHEIGHT of the image")->capture_default_str();
+    command.add_option("--preset", s.preset, selectorWords("preset") + ": copies, frames and raster modes");
+    command.add_option("--seed", s.seed, "of the order of cases")->capture_default_str();
+    command.add_option("--device", s.device, "number or part of the name; see probe");
+    command.add_flag("--validation", s.validation, "validation layers and debug output; a message fails its case");
+    command.add_option("--tolerance", s.tolerance, "largest relative position error")
+        ->check(kFinite & CLI::PositiveNumber)
+        ->capture_default_str();
+}
+
+void addProbe(CLI::App& program, int& status) {
+    auto options = std::make_shared<ProbeOptions>();
+    CLI::App* command = program.add_subcommand("probe", "what this machine's devices can run, and why not");
+    command->add_option("--device", options->device, "number or part of the name");
+    command->add_flag("--json", options->json, "print JSON");
+    command->callback([options, &status] { status = runProbe(*options); });
+}
+
+void addRun(CLI::App& program, int& status, bool timed) {
+    auto options = std::make_shared<RunOptions>();
+    options->timed = timed;
+    options->out = timed ? "results" : "";
+    CLI::App* command = timed ? program.add_subcommand("bench", "verify and time every selected case")
+                              : program.add_subcommand("verify", "check every selected case against the CPU reference");
+    addSelectors(*command, options->selectors);
+    command->add_option("--out", options->out, "folder of results.json, results.csv and report.html")
+        ->capture_default_str();
+    command->add_flag("--json", options->json, "print the result file instead of a table");
+    command->callback([options, &status] { status = runCases(*options); });
+}
+
+void addRender(CLI::App& program, int& status) {
+    auto options = std::make_shared<RenderOptions>();
+    CLI::App* command = program.add_subcommand("render", "draw one variant to a PNG file");
+    Selectors& s = options->selectors;
+    command->add_option("scene", s.scene, "a .gltf or .glb file, or builtin:NAME[:VERTICES]")->required();
+    command->add_option("--route", options->route, selectorWords("routes") + ", or auto")->capture_default_str();
+    command->add_option("--variant", options->variant, "default: mesh or vertex, as the route allows");
+    command->add_option("--codec", options->codec, selectorWords("codecs"))->capture_default_str();
+    command->add_option("--view", options->view, "shaded, meshlets, weights, tuples")->capture_default_str();
+    command->add_option("--time", s.seconds, "seconds into the animation")
+        ->check(kFinite & CLI::Range(0.0, 1e6))
+        ->capture_default_str();
+    command->add_option("--clip", s.clip, "name of the animation, or none (default: the first)");
+    command->add_option("--size", s.size, "WIDTHxHEIGHT")->capture_default_str();
+    command->add_option("--copies", s.copies, "how many (default: 1)")->check(CLI::Range(1u, 1'000'000u));
+    command->add_option("--yaw", options->yaw, "degrees that a single character is turned by")
+        ->check(kFinite & CLI::Range(-360.0f, 360.0f))
+        ->capture_default_str();
+    command->add_option("--builder", s.builders, selectorWords("builders"))->expected(1);
+    command->add_option("--influences", s.influences, "4 or 8")->expected(1);
+    command->add_flag("--keep-back-faces", s.keepBackFaces, "draw without the rasteriser's back-face culling");
+    command->add_option("--device", s.device, "number or part of the name; see probe");
+    command->add_flag("--validation", s.validation, "validation layers and debug output");
+    command->add_option("-o,--output", options->out, "the PNG file")->required();
+    command->callback([options, &status] { status = runRender(*options); });
+}
+
+void addScene(CLI::App& program, int& status) {
+    struct Options {
+        bool json = false;
+        std::string name, out;
+    };
+    auto options = std::make_shared<Options>();
+    CLI::App* command = program.add_subcommand("scene", "built-in scenes");
+    command->require_subcommand(1);
+    CLI::App* list = command->add_subcommand("list", "the built-in scenes");
+    list->add_flag("--json", options->json, "print JSON");
+    list->callback([options, &status] { status = runSceneList(options->json); });
+    CLI::App* save = command->add_subcommand("export", "write a scene as a GLB file");
+    save->add_option("name", options->name, "NAME, builtin:NAME[:VERTICES] or a glTF file")->required();
+    save->add_option("out", options->out, "the .glb file")->required();
+    save->callback([options, &status] { status = runSceneExport(options->name, options->out); });
+}
+
+void addReport(CLI::App& program, int& status) {
+    struct Options {
+        std::vector<std::string> files;
+        std::string out = "report.html";
+    };
+    auto options = std::make_shared<Options>();
+    CLI::App* command = program.add_subcommand("report", "one HTML page of one or more result files");
+    command->add_option("files", options->files, "results.json files")->required();
+    command->add_option("-o,--output", options->out, "the page")->capture_default_str();
+    command->callback([options, &status] { status = runReport(options->files, options->out); });
+}
+
+int runProgram(int argc, char** argv) {
+    CLI::App program{"Compares skinning on this machine's GPUs: vertex, compute and mesh shaders, Vulkan and OpenGL.",
+                     "skinbench"};
+    program.set_version_flag("--version", std::string(SKINBENCH_VERSION) + " (" + SKINBENCH_REVISION + ")");
+    program.require_subcommand(1);
+    int status = kExitDone;
+    addProbe(program, status);
+    addRun(program, status, true);
+    addRun(program, status, false);
+    addRender(program, status);
+    addScene(program, status);
+    addReport(program, status);
+    try {
+        program.parse(argc, argv);
+    } catch (const CLI::ParseError& error) {
+        if (error.get_exit_code() == 0) return program.exit(error);
+        std::string text = error.what();
+        // An unknown subcommand leaves its word over and is otherwise told as a missing one.
+        const std::vector<std::string> unknown = program.remaining(true);
+        if (error.get_exit_code() == static_cast<int>(CLI::ExitCodes::RequiredError) && !unknown.empty())
+            text = "no subcommand or option '" + unknown.front() + "'";
+        std::ranges::replace(text, '\n', ' ');
+        return reportError({Fault::input, text + "; see skinbench --help"});
+    }
+    std::cout.flush();
+    if (!std::cout) return reportError({Fault::input, "standard output cannot be written"});
+    return status;
+}
+
+}  // namespace
+}  // namespace skinbench
+
+int main(int argc, char** argv) {
+    try {
+        return skinbench::runProgram(argc, argv);
+    } catch (const std::bad_alloc&) {
+        return skinbench::reportError({skinbench::Fault::device, "out of memory; use fewer copies or a smaller scene"});
+    } catch (const std::exception& error) {
+        return skinbench::reportError({skinbench::Fault::device, std::string("unexpected: ") + error.what()});
+    }
+}

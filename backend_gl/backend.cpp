@@ -1,0 +1,432 @@
+#include <chrono>
+#include <format>
+#include <map>
+#include <utility>
+
+#include "backend_gl/context.h"
+#include "backend_gl/driver_faults.h"
+#include "backend_gl/plan.h"
+
+namespace skinbench {
+
+namespace {
+
+constexpr std::array<GLfloat, 4> kBackground = {0.13f, 0.15f, 0.18f, 1.0f};
+constexpr uint64_t kSecondsPerFrame = 120;  // a frame that takes longer will never end
+
+using Clock = std::chrono::steady_clock;
+
+double milliseconds(Clock::duration duration) { return std::chrono::duration<double, std::milli>(duration).count(); }
+
+// Buffers of the backend that grow to what the largest batch needs.
+struct FrameBuffer {
+    GlBuffer buffer;
+    uint64_t capacity = 0;
+    uint64_t stride = 0;  // of one frame in the current batch
+};
+
+class GlBackend final : public Backend {
+public:
+    GlBackend(std::unique_ptr<Context> context, Staging staging);
+    ~GlBackend() override;
+    Result<void> start();
+
+    const DeviceCaps& caps() const override { return context_->caps; }
+    Result<PlanId> prepare(const FramePlan& plan) override;
+    Result<std::vector<Timing>> run(PlanId id, std::span<const FrameInput> frames) override;
+    Result<Image> readImage(PlanId id) override;
+    Result<std::vector<std::byte>> readStream(PlanId id, uint32_t slot) override;
+    void release(PlanId id) override;
+    std::vector<std::string> takeMessages() override { return std::exchange(context_->messages, {}); }
+
+private:
+    Result<void> enter();
+    Result<void> checkLost();
+    Result<void> waitForDevice(uint64_t frames);
+    Result<GlPlan*> findPlan(PlanId id);
+    void dropUnusedTargets();
+
+    Result<void> reserve(FrameBuffer& frame, uint64_t bytes, GLuint alignment, size_t frames, const GlPlan& plan);
+    Result<void> uploadFrames(const GlPlan& plan, std::span<const FrameInput> frames);
+    void bindStreams(const GlPlan& plan);
+    void bindFrame(const GlPlan& plan, size_t frame);
+    double uploadSkinned(const GlStream& stream, const FrameInput& input);
+    void recordFrame(const GlPlan& plan, size_t frame);
+    void drawMesh(const GlPlan& plan, const LinkedProgram& program, uint32_t groups);
+    void issueDraws(const GlPlan& plan, const Pass& pass);
+    void recordPass(const GlPlan& plan, const Pass& pass, const GLuint* queries);
+    void readPasses(const GlPlan& plan, std::vector<Timing>& timings);
+
+    std::unique_ptr<Context> context_;  // first, so that it goes last
+    Staging staging_;
+    ProgramCache programs_;
+    std::map<PlanId, GlPlan> plans_;
+    std::map<std::pair<uint32_t, uint32_t>, GlTargets> targets_;
+    FrameBuffer palettes_, constants_;
+    GLuint paletteAlignment_ = 256, constantsAlignment_ = 256;
+    GLuint storageBindings_ = 0;
+    LinkedProgram betweenMeshDraws_;  // see driver_faults.h
+    std::vector<GLuint> queries_;
+    PlanId nextId_ = 1;
+    std::string lost_;  // why the device is gone; empty: it is not
+};
+
+GlBackend::GlBackend(std::unique_ptr<Context> context, Staging staging)
+    : context_(std::move(context)), staging_(std::move(staging)) {
+    auto get = [](GLenum name) {
+        GLint value = 0;
+        glGetIntegerv(name, &value);
+        return static_cast<GLuint>(std::max(value, 1));
+    };
+    paletteAlignment_ = get(GL_SHADER_STORAGE_BUFFER_OFFSET_ALIGNMENT);
+    constantsAlignment_ = get(GL_UNIFORM_BUFFER_OFFSET_ALIGNMENT);
+    storageBindings_ = get(GL_MAX_SHADER_STORAGE_BUFFER_BINDINGS);
+}
+
+Result<void> GlBackend::start() {
+    if (!context_->caps.ext.available) return {};
+    auto between = findStaleConstants(context_->drawMeshTasksExt, programs_, staging_);
+    if (!between) return std::unexpected(between.error());
+    betweenMeshDraws_ = *between;
+    return {};
+}
+
+GlBackend::~GlBackend() {
+    if (!context_->makeCurrent()) return;
+    glDeleteQueries(static_cast<GLsizei>(queries_.size()), queries_.data());
+}
+
+Result<void> GlBackend::enter() {
+    if (!lost_.empty()) return deviceError(lost_);
+    if (auto current = context_->makeCurrent(); !current) return current;
+    dropGlErrors();
+    return {};
+}
+
+Result<void> GlBackend::checkLost() {
+    if (glGetGraphicsResetStatus() == GL_NO_ERROR) return {};
+    lost_ = std::format("OpenGL: device {} is lost; start again, with fewer copies if it happens again", caps().name);
+    return deviceError(lost_);
+}
+
+Result<void> GlBackend::waitForDevice(uint64_t frames) {
+    GLsync fence = glFenceSync(GL_SYNC_GPU_COMMANDS_COMPLETE, 0);
+    GLenum status = glClientWaitSync(fence, GL_SYNC_FLUSH_COMMANDS_BIT, frames * kSecondsPerFrame * 1'000'000'000);
+    glDeleteSync(fence);
+    if (auto checked = checkLost(); !checked) return checked;
+    if (status == GL_ALREADY_SIGNALED || status == GL_CONDITION_SATISFIED) return {};
+    lost_ = std::format("OpenGL: device {} did not finish {} frames in {} seconds; start again with fewer copies",
+                        caps().name, frames, frames * kSecondsPerFrame);
+    return deviceError(lost_);
+}
+
+Result<GlPlan*> GlBackend::findPlan(PlanId id) {
+    auto found = plans_.find(id);
+    if (found == plans_.end()) return inputError(std::format("OpenGL: there is no plan {}; prepare it first", id));
+    return &found->second;
+}
+
+Result<PlanId> GlBackend::prepare(const FramePlan& plan) {
+    if (auto entered = enter(); !entered) return std::unexpected(entered.error());
+    if (auto checked = checkPlan(plan, caps()); !checked) return std::unexpected(checked.error());
+    auto made = makeGlPlan(plan, programs_, staging_);
+    if (auto checked = checkLost(); !checked) return std::unexpected(checked.error());
+    if (!made) return std::unexpected(made.error());
+    std::pair size{plan.width, plan.height};
+    if (made->draws && !targets_.contains(size)) {
+        auto targets = makeTargets(plan.width, plan.height);
+        if (!targets) return std::unexpected(targets.error());
+        targets_.emplace(size, std::move(*targets));
+    }
+    plans_.emplace(nextId_, std::move(*made));
+    return nextId_++;
+}
+
+void GlBackend::release(PlanId id) {
+    if (!context_->makeCurrent()) return;
+    plans_.erase(id);
+    dropUnusedTargets();
+}
+
+void GlBackend::dropUnusedTargets() {
+    std::erase_if(targets_, [&](const auto& entry) {
+        return std::ranges::none_of(plans_, [&](const auto& other) {
+            const GlPlan& plan = other.second;
+            return plan.draws && std::pair{plan.width, plan.height} == entry.first;
+        });
+    });
+}
+
+Result<void> GlBackend::reserve(FrameBuffer& frame, uint64_t bytes, GLuint alignment, size_t frames,
+                                const GlPlan& plan) {
+    frame.stride = (bytes + alignment - 1) / alignment * alignment;
+    uint64_t needed = frame.stride * frames;
+    if (needed <= frame.capacity) return {};
+    frame.buffer = {};
+    frame.capacity = 0;
+    auto buffer = makeBuffer(needed, std::format("{}: a batch of {} frames", plan.label, frames));
+    if (!buffer) return std::unexpected(buffer.error());
+    frame.buffer = std::move(*buffer);
+    frame.capacity = needed;
+    return {};
+}
+
+Result<void> GlBackend::uploadFrames(const GlPlan& plan, std::span<const FrameInput> frames) {
+    if (auto made = reserve(constants_, sizeof(FrameConstants), constantsAlignment_, frames.size(), plan); !made)
+        return made;
+    if (auto made = reserve(palettes_, plan.paletteBytes, paletteAlignment_, frames.size(), plan); !made) return made;
+    for (size_t i = 0; i < frames.size(); ++i) {
+        staging_.write(constants_.buffer, i * constants_.stride, std::as_bytes(std::span(&frames[i].constants, 1)));
+        staging_.write(palettes_.buffer, i * palettes_.stride, frames[i].palette);
+    }
+    staging_.finish();
+    return {};
+}
+
+// All slots at once, so that nothing of an earlier plan stays bound.
+void GlBackend::bindStreams(const GlPlan& plan) {
+    std::array<GLuint, SLOT_COUNT> storage{}, uniform{};
+    for (const GlStream& stream : plan.streams) {
+        if (stream.use & useStorage) storage[stream.slot] = stream.buffer.id();
+        if (stream.use & useUniform) uniform[stream.slot] = stream.buffer.id();
+    }
+    auto count = static_cast<GLsizei>(std::min<GLuint>(SLOT_COUNT, storageBindings_));
+    glBindBuffersBase(GL_SHADER_STORAGE_BUFFER, 0, count, storage.data());
+    glBindBuffersBase(GL_UNIFORM_BUFFER, 0, SLOT_COUNT, uniform.data());
+}
+
+void GlBackend::bindFrame(const GlPlan& plan, size_t frame) {
+    glBindBufferRange(GL_UNIFORM_BUFFER, SLOT_FRAME, constants_.buffer.id(),
+                      static_cast<GLintptr>(frame * constants_.stride), sizeof(FrameConstants));
+    if (plan.paletteBytes > 0)
+        glBindBufferRange(GL_SHADER_STORAGE_BUFFER, SLOT_PALETTE, palettes_.buffer.id(),
+                          static_cast<GLintptr>(frame * palettes_.stride), static_cast<GLsizeiptr>(plan.paletteBytes));
+}
+
+double GlBackend::uploadSkinned(const GlStream& stream, const FrameInput& input) {
+    staging_.finish();  // the frame before this one is not part of the copy's time
+    auto start = Clock::now();
+    staging_.write(stream.buffer, 0, input.skinned);
+    staging_.finish();
+    return milliseconds(Clock::now() - start);
+}
+
+void applyRaster(const Pass& pass) {
+    bool keep = pass.depth == DepthTest::equalKeep;
+    bool never = pass.raster == RasterMode::noFragments;
+    glDepthFunc(never ? GL_NEVER : keep ? GL_EQUAL : GL_LESS);
+    glDepthMask(!never && !keep);
+    glColorMask(pass.writeColor, pass.writeColor, pass.writeColor, pass.writeColor);
+    (pass.cullBackFaces ? glEnable : glDisable)(GL_CULL_FACE);
+    (pass.raster == RasterMode::discard ? glEnable : glDisable)(GL_RASTERIZER_DISCARD);
+}
+
+// Masks and rasteriser discard hold for clears too.
+void clearTargets(GLuint framebuffer) {
+    glDisable(GL_RASTERIZER_DISCARD);
+    glDepthMask(GL_TRUE);
+    glColorMask(GL_TRUE, GL_TRUE, GL_TRUE, GL_TRUE);
+    const GLfloat depth = 1;
+    glClearNamedFramebufferfv(framebuffer, GL_COLOR, 0, kBackground.data());
+    glClearNamedFramebufferfv(framebuffer, GL_DEPTH, 0, &depth);
+}
+
+void GlBackend::drawMesh(const GlPlan& plan, const LinkedProgram& program, uint32_t groups) {
+    if (plan.dialect == MeshDialect::nv) {
+        glDrawMeshTasksNV(0, groups);
+        return;
+    }
+    if (betweenMeshDraws_.id && program.constants >= 0) {
+        glUseProgram(betweenMeshDraws_.id);
+        context_->drawMeshTasksExt(0, 1, 1);
+        glUseProgram(program.id);
+    }
+    context_->drawMeshTasksExt(groups, 1, 1);
+}
+
+void GlBackend::issueDraws(const GlPlan& plan, const Pass& pass) {
+    const LinkedProgram& program = plan.programs[pass.program].linked;
+    for (const Draw& draw : pass.draws) {
+        if (program.constants >= 0) glUniform4uiv(program.constants, 1, draw.constants.data());
+        switch (pass.kind) {
+            case PassKind::dispatch:
+                glDispatchCompute(draw.count, 1, 1);
+                break;
+            case PassKind::drawIndexed:
+                glDrawElementsBaseVertex(GL_TRIANGLES, static_cast<GLsizei>(draw.count), GL_UNSIGNED_INT,
+                                         reinterpret_cast<const void*>(uintptr_t{draw.firstIndex} * 4),
+                                         draw.baseVertex);
+                break;
+            case PassKind::drawMesh:
+                drawMesh(plan, program, draw.count);
+                break;
+        }
+    }
+}
+
+// OpenGL has no execution barrier. What stands for it: a timestamp is taken "after all previous commands … have been
+// fully realized" (OpenGL 4.6, 4.3), and glMemoryBarrier makes later commands wait for shader writes, which drivers
+// do by draining the pipeline. So the first timestamp follows the clear and the pass before, and the second one the
+// last pixel. What remains is that the head of a pass may overlap the tail of a pass whose results it does not use:
+// then its interval starts late, at the end of that tail.
+void GlBackend::recordPass(const GlPlan& plan, const Pass& pass, const GLuint* queries) {
+    const GlProgram& program = plan.programs[pass.program];
+    if (pass.kind != PassKind::dispatch) {
+        GLuint framebuffer = targets_.at({plan.width, plan.height}).framebuffer.id();
+        glBindFramebuffer(GL_FRAMEBUFFER, framebuffer);
+        glViewport(0, 0, static_cast<GLsizei>(plan.width), static_cast<GLsizei>(plan.height));
+        if (pass.clear) clearTargets(framebuffer);
+        applyRaster(pass);
+        glBindVertexArray(program.vertexArray.id());
+    }
+    glUseProgram(program.linked.id);
+    glMemoryBarrier(GL_ALL_BARRIER_BITS);
+    if (queries) glQueryCounter(queries[0], GL_TIMESTAMP);
+    issueDraws(plan, pass);
+    if (queries) glQueryCounter(queries[1], GL_TIMESTAMP);
+    glMemoryBarrier(GL_ALL_BARRIER_BITS);
+}
+
+void GlBackend::recordFrame(const GlPlan& plan, size_t frame) {
+    bindFrame(plan, frame);
+    for (size_t i = 0; i < plan.passes.size(); ++i) {
+        const GLuint* queries = queries_.empty() ? nullptr : &queries_[(frame * plan.passes.size() + i) * 2];
+        recordPass(plan, plan.passes[i], queries);
+    }
+}
+
+void GlBackend::readPasses(const GlPlan& plan, std::vector<Timing>& timings) {
+    uint32_t bits = caps().timestampBits;
+    uint64_t mask = bits >= 64 ? UINT64_MAX : (uint64_t{1} << bits) - 1;
+    for (size_t frame = 0; frame < timings.size(); ++frame) {
+        timings[frame].passes.assign(plan.passes.size(), 0.0);
+        for (size_t i = 0; i < plan.passes.size() && bits > 0; ++i) {
+            const GLuint* queries = &queries_[(frame * plan.passes.size() + i) * 2];
+            GLuint64 begin = 0, end = 0;
+            glGetQueryObjectui64v(queries[0], GL_QUERY_RESULT, &begin);
+            glGetQueryObjectui64v(queries[1], GL_QUERY_RESULT, &end);
+            timings[frame].passes[i] = static_cast<double>((end - begin) & mask) * 1e-6;
+        }
+    }
+}
+
+Result<void> checkFrames(const GlPlan& plan, std::span<const FrameInput> frames) {
+    const GlStream* written = plan.hostWritten();
+    for (size_t i = 0; i < frames.size(); ++i) {
+        if (frames[i].palette.size() != plan.paletteBytes)
+            return inputError(std::format("{}: frame {} has {} bytes of palettes; the plan needs {}", plan.label, i,
+                                          frames[i].palette.size(), plan.paletteBytes));
+        uint64_t skinned = written ? written->bytes : 0;
+        if (frames[i].skinned.size() != skinned)
+            return inputError(std::format("{}: frame {} has {} bytes of skinned vertices; the plan needs {}",
+                                          plan.label, i, frames[i].skinned.size(), skinned));
+    }
+    return {};
+}
+
+Result<std::vector<Timing>> GlBackend::run(PlanId id, std::span<const FrameInput> frames) {
+    if (auto entered = enter(); !entered) return std::unexpected(entered.error());
+    auto found = findPlan(id);
+    if (!found) return std::unexpected(found.error());
+    const GlPlan& plan = **found;
+    if (auto checked = checkFrames(plan, frames); !checked) return std::unexpected(checked.error());
+    if (frames.empty()) return std::vector<Timing>{};
+    if (auto uploaded = uploadFrames(plan, frames); !uploaded) return std::unexpected(uploaded.error());
+
+    size_t wanted = caps().timestampBits ? frames.size() * plan.passes.size() * 2 : 0;
+    if (size_t have = queries_.size(); have < wanted) {
+        queries_.resize(wanted);
+        glCreateQueries(GL_TIMESTAMP, static_cast<GLsizei>(wanted - have), &queries_[have]);
+    }
+    GlTargets* targets = plan.draws ? &targets_.at({plan.width, plan.height}) : nullptr;
+    if (targets) targets->renderedBy = 0;
+    bindStreams(plan);
+
+    std::vector<Timing> timings(frames.size());
+    const GlStream* written = plan.hostWritten();
+    Clock::duration record{};
+    for (size_t i = 0; i < frames.size(); ++i) {
+        if (written) timings[i].upload = uploadSkinned(*written, frames[i]);
+        auto start = Clock::now();
+        recordFrame(plan, i);
+        record += Clock::now() - start;
+    }
+    auto start = Clock::now();
+    glFlush();
+    auto submit = Clock::now() - start;
+    if (auto waited = waitForDevice(frames.size()); !waited) return std::unexpected(waited.error());
+    if (auto checked = checkGl(plan.label, plan.bytes); !checked) return std::unexpected(checked.error());
+
+    readPasses(plan, timings);
+    for (Timing& timing : timings) {
+        timing.record = milliseconds(record) / static_cast<double>(frames.size());
+        timing.submit = milliseconds(submit) / static_cast<double>(frames.size());
+    }
+    if (targets) targets->renderedBy = id;
+    return timings;
+}
+
+Result<Image> GlBackend::readImage(PlanId id) {
+    if (auto entered = enter(); !entered) return std::unexpected(entered.error());
+    auto found = findPlan(id);
+    if (!found) return std::unexpected(found.error());
+    const GlPlan& plan = **found;
+    if (!plan.draws) return inputError(plan.label + ": the plan draws no image");
+    const GlTargets& targets = targets_.at({plan.width, plan.height});
+    if (targets.renderedBy != id)
+        return inputError(plan.label + ": the plan was not the last to render an image of its size; run it again");
+    Image image{plan.width, plan.height, {}};
+    image.rgba.resize(size_t{4} * plan.width * plan.height);
+    glGetTextureImage(targets.color.id(), 0, GL_RGBA, GL_UNSIGNED_BYTE, static_cast<GLsizei>(image.rgba.size()),
+                      image.rgba.data());
+    if (auto checked = checkLost(); !checked) return std::unexpected(checked.error());
+    if (auto checked = checkGl(plan.label, image.rgba.size()); !checked) return std::unexpected(checked.error());
+    return image;
+}
+
+Result<std::vector<std::byte>> GlBackend::readStream(PlanId id, uint32_t slot) {
+    if (auto entered = enter(); !entered) return std::unexpected(entered.error());
+    auto found = findPlan(id);
+    if (!found) return std::unexpected(found.error());
+    const GlPlan& plan = **found;
+    auto stream = std::ranges::find(plan.streams, slot, &GlStream::slot);
+    if (stream == plan.streams.end()) return inputError(std::format("{}: there is no stream {}", plan.label, slot));
+    std::vector<std::byte> bytes(stream->bytes);
+    staging_.read(stream->buffer, bytes);
+    if (auto checked = checkLost(); !checked) return std::unexpected(checked.error());
+    if (auto checked = checkGl(plan.label, stream->bytes); !checked) return std::unexpected(checked.error());
+    return bytes;
+}
+
+}  // namespace
+
+Result<std::vector<DeviceCaps>> listGlDevices() {
+    auto contexts = openContexts(false);
+    if (!contexts) return std::unexpected(contexts.error());
+    std::vector<DeviceCaps> devices;
+    for (const auto& context : contexts->list) devices.push_back(context->caps);
+    return devices;
+}
+
+Result<std::unique_ptr<Backend>> openGl(const BackendOptions& options) {
+    auto contexts = openContexts(options.validation);
+    if (!contexts) return std::unexpected(contexts.error());
+    if (contexts->list.empty())
+        return deviceError(
+            std::format("OpenGL: no device gives a context ({}); update the graphics driver", contexts->refusal));
+    std::vector<DeviceCaps> devices;
+    for (const auto& context : contexts->list) devices.push_back(context->caps);
+    auto picked = pickDevice(devices, options.device);
+    if (!picked) return std::unexpected(Error{picked.error().fault, "OpenGL: " + picked.error().text});
+    std::unique_ptr<Context> context = std::move(contexts->list[*picked]);
+    contexts->list.clear();
+    if (auto current = context->makeCurrent(); !current) return std::unexpected(current.error());
+    dropGlErrors();
+    auto staging = Staging::make();
+    if (!staging) return std::unexpected(staging.error());
+    auto backend = std::make_unique<GlBackend>(std::move(context), std::move(*staging));
+    if (auto started = backend->start(); !started) return std::unexpected(started.error());
+    return backend;
+}
+
+}  // namespace skinbench

@@ -1,0 +1,249 @@
+#include "backend_gl/context.h"
+
+#include <algorithm>
+#include <cstdlib>
+#include <format>
+#include <map>
+#include <mutex>
+#include <string_view>
+#include <utility>
+
+#include "backend_gl/driver_faults.h"
+
+namespace skinbench {
+
+namespace {
+
+struct DisplayUsers {
+    std::mutex mutex;
+    std::map<EGLDisplay, int> counts;
+};
+
+DisplayUsers& displayUsers() {
+    static DisplayUsers& users = *new DisplayUsers;  // outlives every backend, also static ones
+    return users;
+}
+
+bool hasWord(const char* words, std::string_view word) {
+    std::string_view rest = words ? words : "";
+    while (!rest.empty()) {
+        size_t end = std::min(rest.find(' '), rest.size());
+        if (rest.substr(0, end) == word) return true;
+        rest.remove_prefix(std::min(end + 1, rest.size()));
+    }
+    return false;
+}
+
+const char* eglErrorName(EGLint error) {
+    switch (error) {
+        case EGL_SUCCESS:
+            return "no reason";
+        case EGL_NOT_INITIALIZED:
+            return "EGL_NOT_INITIALIZED";
+        case EGL_BAD_ACCESS:
+            return "EGL_BAD_ACCESS";
+        case EGL_BAD_ALLOC:
+            return "EGL_BAD_ALLOC";
+        case EGL_BAD_ATTRIBUTE:
+            return "EGL_BAD_ATTRIBUTE";
+        case EGL_BAD_CONFIG:
+            return "EGL_BAD_CONFIG";
+        case EGL_BAD_CONTEXT:
+            return "EGL_BAD_CONTEXT";
+        case EGL_BAD_MATCH:
+            return "EGL_BAD_MATCH";
+        case EGL_BAD_PARAMETER:
+            return "EGL_BAD_PARAMETER";
+        case EGL_CONTEXT_LOST:
+            return "EGL_CONTEXT_LOST";
+        default:
+            return "an unknown EGL error";
+    }
+}
+
+// Which messages tell of a fault in our use of OpenGL. Performance remarks do not, and what the shader compiler
+// refuses is the error of prepare() already.
+bool isFault(GLenum source, GLenum type, GLenum severity) {
+    if (source == GL_DEBUG_SOURCE_SHADER_COMPILER && type == GL_DEBUG_TYPE_ERROR) return false;
+    bool kind = type == GL_DEBUG_TYPE_ERROR || type == GL_DEBUG_TYPE_UNDEFINED_BEHAVIOR ||
+                type == GL_DEBUG_TYPE_DEPRECATED_BEHAVIOR || type == GL_DEBUG_TYPE_PORTABILITY;
+    return kind && (severity == GL_DEBUG_SEVERITY_HIGH || severity == GL_DEBUG_SEVERITY_MEDIUM);
+}
+
+void GLAD_API_PTR onDebugMessage(GLenum source, GLenum type, GLuint id, GLenum severity, GLsizei, const GLchar* text,
+                                 const void* user) {
+    if (!isFault(source, type, severity)) return;
+    auto& messages = *static_cast<std::vector<std::string>*>(const_cast<void*>(user));
+    std::string_view trimmed = text;
+    while (!trimmed.empty() && (trimmed.back() == '\n' || trimmed.back() == ' ')) trimmed.remove_suffix(1);
+    if (messages.size() < 1000) messages.push_back(std::format("OpenGL message {}: {}", id, trimmed));
+}
+
+// State that no pass changes. Row 0 of memory is the top row of the image, as the clip space of a plan points down
+// already: LOWER_LEFT flips nothing. Seen with row 0 at the bottom, as OpenGL's window coordinates have it, the
+// image is mirrored, so that counter-clockwise on the screen is clockwise there.
+void setConstantState() {
+    glClipControl(GL_LOWER_LEFT, GL_ZERO_TO_ONE);
+    glFrontFace(GL_CW);
+    glCullFace(GL_BACK);
+    glEnable(GL_DEPTH_TEST);
+    glDisable(GL_DITHER);
+    glPixelStorei(GL_PACK_ALIGNMENT, 1);
+}
+
+EGLContext createContext(EGLDisplay display, EGLConfig config, bool debug) {
+    // Robust buffer access stays off: its bounds checks would be measured. The notification alone costs nothing.
+    for (EGLint minor : {6, 5}) {
+        for (bool notify : {true, false}) {
+            std::vector<EGLint> attributes = {EGL_CONTEXT_MAJOR_VERSION,       4,
+                                              EGL_CONTEXT_MINOR_VERSION,       minor,
+                                              EGL_CONTEXT_OPENGL_PROFILE_MASK, EGL_CONTEXT_OPENGL_CORE_PROFILE_BIT};
+            if (debug) attributes.insert(attributes.end(), {EGL_CONTEXT_OPENGL_DEBUG, EGL_TRUE});
+            if (notify)
+                attributes.insert(attributes.end(),
+                                  {EGL_CONTEXT_OPENGL_RESET_NOTIFICATION_STRATEGY, EGL_LOSE_CONTEXT_ON_RESET});
+            attributes.push_back(EGL_NONE);
+            EGLContext context = eglCreateContext(display, config, EGL_NO_CONTEXT, attributes.data());
+            if (context != EGL_NO_CONTEXT) return context;
+        }
+    }
+    return EGL_NO_CONTEXT;
+}
+
+Result<std::unique_ptr<Context>> openContext(EGLDisplay handle, bool debug) {
+    EGLint major = 0, minor = 0;
+    if (handle == EGL_NO_DISPLAY || !eglInitialize(handle, &major, &minor))
+        return deviceError(std::format("eglInitialize said {}", eglErrorName(eglGetError())));
+    auto context = std::make_unique<Context>();
+    context->display = std::make_shared<Display>(handle);
+    gladLoaderLoadEGL(handle);  // again: only a display tells the loader its EGL version
+
+    const char* extensions = eglQueryString(handle, EGL_EXTENSIONS);
+    bool surfaceless = hasWord(extensions, "EGL_KHR_surfaceless_context");
+    EGLConfig config = EGL_NO_CONFIG_KHR;
+    if (!surfaceless || !hasWord(extensions, "EGL_KHR_no_config_context")) {
+        const EGLint wanted[] = {EGL_RENDERABLE_TYPE, EGL_OPENGL_BIT, EGL_SURFACE_TYPE,
+                                 surfaceless ? 0 : EGL_PBUFFER_BIT, EGL_NONE};
+        EGLint count = 0;
+        if (!eglChooseConfig(handle, wanted, &config, 1, &count) || count == 0)
+            return deviceError("EGL has no configuration for desktop OpenGL");
+    }
+    if (!eglBindAPI(EGL_OPENGL_API)) return deviceError("EGL offers no desktop OpenGL");
+    context->handle = createContext(handle, config, debug);
+    if (context->handle == EGL_NO_CONTEXT)
+        return deviceError(std::format("no core profile of version 4.5 or newer ({})", eglErrorName(eglGetError())));
+    if (!surfaceless) {
+        const EGLint size[] = {EGL_WIDTH, 1, EGL_HEIGHT, 1, EGL_NONE};
+        context->surface = eglCreatePbufferSurface(handle, config, size);
+        if (context->surface == EGL_NO_SURFACE)
+            return deviceError("EGL makes neither surfaceless contexts nor pbuffers");
+    }
+    if (auto current = context->makeCurrent(); !current) return std::unexpected(current.error());
+    if (gladLoadGL(eglGetProcAddress) == 0) return deviceError("the OpenGL functions could not be loaded");
+
+    context->caps = queryCaps();
+    if (context->caps.ext.available)
+        context->drawMeshTasksExt = reinterpret_cast<DrawMeshTasksExt>(eglGetProcAddress("glDrawMeshTasksEXT"));
+    if (!context->drawMeshTasksExt) context->caps.ext = {};
+    if (!glDrawMeshTasksNV) context->caps.nv = {};
+    setConstantState();
+    if (context->caps.ext.available) context->caps.lastMeshOutputLost = findLostOutput(context->drawMeshTasksExt);
+    if (debug) {
+        glEnable(GL_DEBUG_OUTPUT);
+        glEnable(GL_DEBUG_OUTPUT_SYNCHRONOUS);
+        glDebugMessageCallback(onDebugMessage, &context->messages);
+    }
+    return context;
+}
+
+// Displays in the order of preference; a later kind is tried only when no display of an earlier one gave a context.
+std::vector<std::vector<EGLDisplay>> displayKinds(const char* clientExtensions) {
+    std::vector<std::vector<EGLDisplay>> kinds;
+    bool platforms = hasWord(clientExtensions, "EGL_EXT_platform_base") && eglGetPlatformDisplayEXT;
+    bool devices =
+        hasWord(clientExtensions, "EGL_EXT_device_enumeration") || hasWord(clientExtensions, "EGL_EXT_device_base");
+    if (platforms && devices && eglQueryDevicesEXT && hasWord(clientExtensions, "EGL_EXT_platform_device")) {
+        EGLint count = 0;
+        std::vector<EGLDeviceEXT> found;
+        if (eglQueryDevicesEXT(0, nullptr, &count) && count > 0) {
+            found.resize(static_cast<size_t>(count));
+            if (!eglQueryDevicesEXT(count, found.data(), &count)) count = 0;
+            found.resize(static_cast<size_t>(count));
+        }
+        auto& displays = kinds.emplace_back();
+        for (EGLDeviceEXT device : found)
+            displays.push_back(eglGetPlatformDisplayEXT(EGL_PLATFORM_DEVICE_EXT, device, nullptr));
+    }
+    if (platforms && hasWord(clientExtensions, "EGL_MESA_platform_surfaceless"))
+        kinds.push_back({eglGetPlatformDisplayEXT(EGL_PLATFORM_SURFACELESS_MESA, EGL_DEFAULT_DISPLAY, nullptr)});
+    kinds.push_back({eglGetDisplay(EGL_DEFAULT_DISPLAY)});
+    return kinds;
+}
+
+}  // namespace
+
+Display::Display(EGLDisplay handle) : handle_(handle) {
+    DisplayUsers& users = displayUsers();
+    std::lock_guard lock(users.mutex);
+    ++users.counts[handle_];
+}
+
+Display::~Display() {
+    DisplayUsers& users = displayUsers();
+    std::lock_guard lock(users.mutex);
+    if (--users.counts[handle_] > 0) return;
+    users.counts.erase(handle_);
+    eglTerminate(handle_);
+}
+
+Context::~Context() {
+    if (!display) return;
+    if (handle != EGL_NO_CONTEXT) {
+        eglBindAPI(EGL_OPENGL_API);
+        if (eglGetCurrentContext() == handle)
+            eglMakeCurrent(display->handle(), EGL_NO_SURFACE, EGL_NO_SURFACE, EGL_NO_CONTEXT);
+        eglDestroyContext(display->handle(), handle);
+    }
+    if (surface != EGL_NO_SURFACE) eglDestroySurface(display->handle(), surface);
+}
+
+Result<void> Context::makeCurrent() {
+    eglBindAPI(EGL_OPENGL_API);
+    if (eglGetCurrentContext() == handle) return {};
+    if (!eglMakeCurrent(display->handle(), surface, surface, handle))
+        return deviceError(
+            std::format("OpenGL: the context of '{}' cannot be used on this thread ({}); use a backend "
+                        "on one thread only",
+                        caps.name, eglErrorName(eglGetError())));
+    return {};
+}
+
+Result<Contexts> openContexts(bool debug) {
+#ifndef _WIN32
+    setenv("EGL_LOG_LEVEL", "fatal", 0);  // Mesa reports devices it cannot drive on stderr
+#endif
+    if (!gladLoaderLoadEGL(EGL_NO_DISPLAY))
+        return deviceError(
+            "OpenGL: the EGL library (libEGL.so.1) cannot be loaded; install a graphics driver with EGL, "
+            "such as Mesa's libegl1 or NVIDIA's");
+    Contexts contexts;
+    for (const auto& displays : displayKinds(eglQueryString(EGL_NO_DISPLAY, EGL_EXTENSIONS))) {
+        for (EGLDisplay display : displays) {
+            auto context = openContext(display, debug);
+            if (!context) {
+                contexts.refusal = context.error().text;
+                continue;
+            }
+            // A card whose driver is missing falls back to software. Equal names of hardware are equal cards.
+            const DeviceCaps& caps = (*context)->caps;
+            bool known = caps.software && std::ranges::any_of(contexts.list, [&](const auto& other) {
+                             return other->caps.name == caps.name;
+                         });
+            if (!known) contexts.list.push_back(std::move(*context));
+        }
+        if (!contexts.list.empty()) break;
+    }
+    return contexts;
+}
+
+}  // namespace skinbench

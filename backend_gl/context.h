@@ -1,0 +1,59 @@
+// Headless OpenGL contexts through EGL, loaded at run time. No window system is touched unless everything else fails.
+#pragma once
+
+#include <glad/egl.h>
+#include <glad/gl.h>
+
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "backend_gl/mesh_ext.h"
+#include "common/backend.h"
+
+namespace skinbench {
+
+// Counts the users of an EGLDisplay, which EGL shares between all who ask for the same device, and terminates it
+// after the last.
+class Display {
+public:
+    explicit Display(EGLDisplay handle);
+    ~Display();
+    Display(const Display&) = delete;
+    Display& operator=(const Display&) = delete;
+    EGLDisplay handle() const { return handle_; }
+
+private:
+    EGLDisplay handle_;
+};
+
+// One core-profile context of a device. Current on the opening thread when openContexts returns it last.
+struct Context {
+    std::shared_ptr<Display> display;
+    EGLContext handle = EGL_NO_CONTEXT;
+    EGLSurface surface = EGL_NO_SURFACE;  // a 1x1 pbuffer where contexts cannot go without a surface
+    DeviceCaps caps;
+    DrawMeshTasksExt drawMeshTasksExt = nullptr;
+    std::vector<std::string> messages;  // of the debug output
+
+    Context() = default;
+    Context(const Context&) = delete;
+    Context& operator=(const Context&) = delete;
+    ~Context();
+
+    Result<void> makeCurrent();
+};
+
+struct Contexts {
+    std::vector<std::unique_ptr<Context>> list;
+    std::string refusal;  // why the last device that gave no context gave none
+};
+
+// One context a device. Fails only without EGL itself.
+Result<Contexts> openContexts(bool debug);
+
+// Of the current context.
+DeviceCaps queryCaps();
+const char* glErrorName(GLenum error);
+
+}  // namespace skinbench

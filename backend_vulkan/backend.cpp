@@ -1,0 +1,288 @@
+// Records and times batches of frames.
+#include <algorithm>
+#include <cstring>
+#include <format>
+#include <map>
+#include <utility>
+
+#include "backend_vulkan/plan.h"
+
+namespace skinbench {
+
+namespace vulkan {
+
+namespace {
+
+using Clock = std::chrono::steady_clock;
+
+class VulkanBackend final : public Backend {
+public:
+    VulkanBackend(std::unique_ptr<Device> device, VkPipelineCache cache)
+        : device_(std::move(device)), pipelineCache_(cache) {}
+    ~VulkanBackend() override;
+
+    const DeviceCaps& caps() const override { return device_->caps; }
+    Result<PlanId> prepare(const FramePlan& plan) override;
+    Result<std::vector<Timing>> run(PlanId id, std::span<const FrameInput> frames) override;
+    Result<Image> readImage(PlanId id) override;
+    Result<std::vector<std::byte>> readStream(PlanId id, uint32_t slot) override;
+    void release(PlanId id) override { plans_.erase(id); }
+    std::vector<std::string> takeMessages() override;
+
+private:
+    Result<void> usable() const;
+    Result<std::shared_ptr<Target>> targetFor(const FramePlan& plan);
+    Result<void> needQueries(uint32_t count);
+    uint64_t queriesDone(uint32_t count) const;
+    Result<double> copySkinned(Plan& plan, std::span<const std::byte> skinned);
+    void recordPass(VkCommandBuffer commands, const Plan& plan, size_t number, uint32_t query) const;
+    void bindPass(VkCommandBuffer commands, const Plan& plan, size_t number) const;
+    Result<void> runBatch(const Plan& plan, size_t first, std::span<Timing> timings);
+    Result<void> readTimings(const Plan& plan, std::span<Timing> timings);
+
+    std::unique_ptr<Device> device_;
+    VkPipelineCache pipelineCache_;
+    VkQueryPool queries_ = VK_NULL_HANDLE;
+    uint32_t queryCount_ = 0;
+    FrameData frameData_;
+    std::map<std::pair<uint32_t, uint32_t>, std::weak_ptr<Target>> targets_;
+    std::map<PlanId, std::unique_ptr<Plan>> plans_;
+    PlanId nextPlan_ = 1;
+};
+
+VulkanBackend::~VulkanBackend() {
+    if (!device_->hung) device_->vk.vkDeviceWaitIdle(device_->handle);
+    plans_.clear();
+    destroy(*device_, frameData_.buffer);
+    if (!device_->hung) device_->vk.vkDestroyQueryPool(device_->handle, queries_, nullptr);
+    closePipelineCache(*device_, pipelineCache_);
+}
+
+Result<void> VulkanBackend::usable() const {
+    if (device_->lost) return std::unexpected(*device_->lost);
+    return {};
+}
+
+Result<std::shared_ptr<Target>> VulkanBackend::targetFor(const FramePlan& plan) {
+    auto draws = [](const Pass& pass) { return pass.kind != PassKind::dispatch; };
+    if (std::ranges::none_of(plan.passes, draws)) return nullptr;
+    std::weak_ptr<Target>& known = targets_[{plan.width, plan.height}];
+    if (auto target = known.lock()) return target;
+    auto target = createTarget(*device_, {plan.width, plan.height});
+    if (target) known = *target;
+    return target;
+}
+
+Result<PlanId> VulkanBackend::prepare(const FramePlan& plan) {
+    SKINBENCH_TRY(usable());
+    SKINBENCH_TRY(checkPlan(*device_, plan));
+    auto target = targetFor(plan);
+    if (!target) return std::unexpected(target.error());
+    auto objects = makePlanObjects(*device_, pipelineCache_, plan, std::move(*target));
+    if (!objects) return std::unexpected(objects.error());
+    plans_.emplace(nextPlan_, std::move(*objects));
+    return nextPlan_++;
+}
+
+Result<void> VulkanBackend::needQueries(uint32_t count) {
+    if (count <= queryCount_) return {};
+    device_->vk.vkDestroyQueryPool(device_->handle, std::exchange(queries_, VK_NULL_HANDLE), nullptr);
+    queryCount_ = 0;
+    VkQueryPoolCreateInfo info{VK_STRUCTURE_TYPE_QUERY_POOL_CREATE_INFO};
+    info.queryType = VK_QUERY_TYPE_TIMESTAMP;
+    info.queryCount = count;
+    SKINBENCH_TRY(check(*device_, device_->vk.vkCreateQueryPool(device_->handle, &info, nullptr, &queries_),
+                        "create the timestamps"));
+    queryCount_ = count;
+    return {};
+}
+
+uint64_t VulkanBackend::queriesDone(uint32_t count) const {
+    struct Query {
+        uint64_t time, available;
+    };
+    std::vector<Query> all(count);
+    device_->vk.vkGetQueryPoolResults(device_->handle, queries_, 0, count, count * sizeof(Query), all.data(),
+                                      sizeof(Query), VK_QUERY_RESULT_64_BIT | VK_QUERY_RESULT_WITH_AVAILABILITY_BIT);
+    return static_cast<uint64_t>(std::ranges::count_if(all, [](const Query& q) { return q.available != 0; }));
+}
+
+Result<double> VulkanBackend::copySkinned(Plan& plan, std::span<const std::byte> skinned) {
+    const StreamBuffer& stream = plan.streams[*plan.hostWritten];
+    SKINBENCH_ASSERT(skinned.size() == stream.bytes);
+    const auto start = Clock::now();
+    if (!skinned.empty()) std::memcpy(plan.hostStaging.mapped, skinned.data(), skinned.size());
+    SKINBENCH_TRY(flush(*device_, plan.hostStaging));
+    auto commands = beginCommands(*device_);
+    if (!commands) return std::unexpected(commands.error());
+    const VkBufferCopy region{0, 0, stream.buffer.bytes};
+    device_->vk.vkCmdCopyBuffer(*commands, plan.hostStaging.handle, stream.buffer.handle, 1, &region);
+    fullBarrier(*device_, *commands);
+    SKINBENCH_TRY(endCommands(*device_));
+    SKINBENCH_TRY(submitAndWait(*device_));
+    return elapsedMs(start);
+}
+
+void VulkanBackend::bindPass(VkCommandBuffer commands, const Plan& plan, size_t number) const {
+    const VolkDeviceTable& vk = device_->vk;
+    const Pass& pass = plan.passes[number];
+    if (pass.kind == PassKind::dispatch) {
+        vk.vkCmdBindPipeline(commands, VK_PIPELINE_BIND_POINT_COMPUTE, plan.pipelines[number]);
+        return;
+    }
+    vk.vkCmdBindPipeline(commands, VK_PIPELINE_BIND_POINT_GRAPHICS, plan.pipelines[number]);
+    const VkExtent2D size = plan.target->size;
+    const VkViewport viewport{0, 0, static_cast<float>(size.width), static_cast<float>(size.height), 0, 1};
+    const VkRect2D scissor{{0, 0}, size};
+    vk.vkCmdSetViewport(commands, 0, 1, &viewport);
+    vk.vkCmdSetScissor(commands, 0, 1, &scissor);
+    vk.vkCmdSetCullMode(commands, pass.cullBackFaces ? VK_CULL_MODE_BACK_BIT : VK_CULL_MODE_NONE);
+    vk.vkCmdSetRasterizerDiscardEnable(commands, pass.raster == RasterMode::discard);
+    const bool keep = pass.depth == DepthTest::equalKeep, never = pass.raster == RasterMode::noFragments;
+    vk.vkCmdSetDepthCompareOp(commands, never ? VK_COMPARE_OP_NEVER : keep ? VK_COMPARE_OP_EQUAL : VK_COMPARE_OP_LESS);
+    vk.vkCmdSetDepthWriteEnable(commands, !never && !keep);
+    if (pass.kind != PassKind::drawIndexed) return;
+    const VkDeviceSize start = 0;
+    if (plan.vertexBuffers[number]) vk.vkCmdBindVertexBuffers(commands, 0, 1, &plan.vertexBuffers[number], &start);
+    vk.vkCmdBindIndexBuffer(commands, plan.indexBuffer, 0, VK_INDEX_TYPE_UINT32);
+}
+
+// Between the two timestamps: the rendering scope of a drawing pass, and every draw with its constants.
+void VulkanBackend::recordPass(VkCommandBuffer commands, const Plan& plan, size_t number, uint32_t query) const {
+    const VolkDeviceTable& vk = device_->vk;
+    const Pass& pass = plan.passes[number];
+    const bool draws = pass.kind != PassKind::dispatch;
+    if (draws && pass.clear) {
+        beginRendering(commands, *plan.target, VK_ATTACHMENT_LOAD_OP_CLEAR);
+        vk.vkCmdEndRendering(commands);
+    }
+    bindPass(commands, plan, number);
+    fullBarrier(*device_, commands);
+    vk.vkCmdWriteTimestamp2(commands, VK_PIPELINE_STAGE_2_ALL_COMMANDS_BIT, queries_, query);
+    if (draws) beginRendering(commands, *plan.target, VK_ATTACHMENT_LOAD_OP_LOAD);
+    for (const Draw& draw : pass.draws) {
+        vk.vkCmdPushConstants(commands, plan.layout, device_->stages, 0, sizeof draw.constants, draw.constants.data());
+        if (pass.kind == PassKind::dispatch)
+            vk.vkCmdDispatch(commands, draw.count, 1, 1);
+        else if (pass.kind == PassKind::drawIndexed)
+            vk.vkCmdDrawIndexed(commands, draw.count, 1, draw.firstIndex, draw.baseVertex, 0);
+        else if (plan.dialect == MeshDialect::nv)
+            vk.vkCmdDrawMeshTasksNV(commands, draw.count, 0);
+        else
+            vk.vkCmdDrawMeshTasksEXT(commands, draw.count, 1, 1);
+    }
+    if (draws) vk.vkCmdEndRendering(commands);
+    vk.vkCmdWriteTimestamp2(commands, VK_PIPELINE_STAGE_2_ALL_COMMANDS_BIT, queries_, query + 1);
+    fullBarrier(*device_, commands);
+}
+
+Result<void> VulkanBackend::runBatch(const Plan& plan, size_t first, std::span<Timing> timings) {
+    const uint32_t passes = static_cast<uint32_t>(plan.passes.size());
+    const uint32_t count = static_cast<uint32_t>(timings.size()) * passes * 2;
+    SKINBENCH_TRY(needQueries(count));
+    const auto start = Clock::now();
+    auto commands = beginCommands(*device_);
+    if (!commands) return std::unexpected(commands.error());
+    if (count) device_->vk.vkCmdResetQueryPool(*commands, queries_, 0, count);
+    fullBarrier(*device_, *commands);
+    for (uint32_t i = 0; i < timings.size(); ++i) {
+        const std::array offsets{
+            static_cast<uint32_t>(frameData_.constantsStride * (first + i)),
+            static_cast<uint32_t>(frameData_.paletteStart + frameData_.paletteStride * (first + i))};
+        for (VkPipelineBindPoint point : {VK_PIPELINE_BIND_POINT_GRAPHICS, VK_PIPELINE_BIND_POINT_COMPUTE})
+            device_->vk.vkCmdBindDescriptorSets(*commands, point, plan.layout, 0, 1, &plan.descriptors, 2,
+                                                offsets.data());
+        for (uint32_t pass = 0; pass < passes; ++pass) recordPass(*commands, plan, pass, (i * passes + pass) * 2);
+    }
+    SKINBENCH_TRY(endCommands(*device_));
+    const double record = elapsedMs(start);
+    auto submit = submitAndWait(*device_, [&] { return count ? queriesDone(count) : 0; });
+    if (!submit) return std::unexpected(submit.error());
+    for (Timing& timing : timings) {
+        timing.record = record / static_cast<double>(timings.size());
+        timing.submit = *submit / static_cast<double>(timings.size());
+    }
+    return readTimings(plan, timings);
+}
+
+Result<void> VulkanBackend::readTimings(const Plan& plan, std::span<Timing> timings) {
+    const size_t passes = plan.passes.size(), count = timings.size() * passes * 2;
+    if (count == 0) return {};
+    std::vector<uint64_t> times(count);
+    SKINBENCH_TRY(check(*device_,
+                        device_->vk.vkGetQueryPoolResults(device_->handle, queries_, 0, static_cast<uint32_t>(count),
+                                                          count * sizeof(uint64_t), times.data(), sizeof(uint64_t),
+                                                          VK_QUERY_RESULT_64_BIT | VK_QUERY_RESULT_WAIT_BIT),
+                        "read the timestamps"));
+    const uint32_t bits = device_->caps.timestampBits;
+    const uint64_t mask = bits >= 64 ? UINT64_MAX : (uint64_t{1} << bits) - 1;
+    for (size_t i = 0; i < timings.size(); ++i)
+        for (size_t pass = 0; pass < passes; ++pass) {
+            const uint64_t* pair = &times[(i * passes + pass) * 2];
+            const uint64_t ticks = (pair[1] - pair[0]) & mask;
+            timings[i].passes.push_back(static_cast<double>(ticks) * device_->caps.timestampPeriodNs * 1e-6);
+        }
+    return {};
+}
+
+Result<std::vector<Timing>> VulkanBackend::run(PlanId id, std::span<const FrameInput> frames) {
+    SKINBENCH_TRY(usable());
+    SKINBENCH_ASSERT(plans_.contains(id));
+    Plan& plan = *plans_.at(id);
+    std::vector<Timing> timings(frames.size());
+    if (frames.empty()) return timings;
+    SKINBENCH_TRY(uploadFrames(*device_, frameData_, plan, frames));
+    if (plan.target) plan.target->lastPlan = id;
+    if (!plan.hostWritten) {
+        SKINBENCH_TRY(runBatch(plan, 0, timings));
+        return timings;
+    }
+    for (size_t i = 0; i < frames.size(); ++i) {
+        auto milliseconds = copySkinned(plan, frames[i].skinned);
+        if (!milliseconds) return std::unexpected(milliseconds.error());
+        SKINBENCH_TRY(runBatch(plan, i, std::span(timings).subspan(i, 1)));
+        timings[i].upload = *milliseconds;
+    }
+    return timings;
+}
+
+Result<Image> VulkanBackend::readImage(PlanId id) {
+    SKINBENCH_TRY(usable());
+    SKINBENCH_ASSERT(plans_.contains(id));
+    const Plan& plan = *plans_.at(id);
+    if (!plan.target) return deviceError(plan.label + ": draws nothing, so there is no image to read");
+    if (plan.target->lastPlan != id)
+        return deviceError(plan.label +
+                           ": its image is not there (not run yet, or another plan of this size ran after it); "
+                           "run it again before reading");
+    return downloadImage(*device_, *plan.target);
+}
+
+Result<std::vector<std::byte>> VulkanBackend::readStream(PlanId id, uint32_t slot) {
+    SKINBENCH_TRY(usable());
+    SKINBENCH_ASSERT(plans_.contains(id));
+    const Plan& plan = *plans_.at(id);
+    auto stream = std::ranges::find(plan.streams, slot, &StreamBuffer::slot);
+    if (stream == plan.streams.end()) return deviceError(std::format("{}: has no stream at slot {}", plan.label, slot));
+    return download(*device_, stream->buffer, stream->bytes);
+}
+
+std::vector<std::string> VulkanBackend::takeMessages() {
+    MessageLog& log = device_->instance->messages;
+    std::lock_guard lock(log.mutex);
+    return std::exchange(log.texts, {});
+}
+
+}  // namespace
+
+}  // namespace vulkan
+
+Result<std::unique_ptr<Backend>> openVulkan(const BackendOptions& options) {
+    auto device = vulkan::openDevice(options);
+    if (!device) return std::unexpected(device.error());
+    auto cache = vulkan::openPipelineCache(**device);
+    if (!cache) return std::unexpected(cache.error());
+    return std::make_unique<vulkan::VulkanBackend>(std::move(*device), *cache);
+}
+
+}  // namespace skinbench

@@ -1,0 +1,126 @@
+#include <cstdlib>
+#include <cstring>
+#include <filesystem>
+#include <format>
+#include <fstream>
+#include <random>
+
+#include "backend_vulkan/program.h"
+
+namespace skinbench::vulkan {
+
+namespace {
+
+namespace fs = std::filesystem;
+
+// In front of the driver's data, because a driver may trust what it reads.
+struct FileHeader {
+    char magic[8] = {'S', 'K', 'I', 'N', 'P', 'C', '0', '1'};
+    uint64_t bytes = 0;
+    uint64_t hash = 0;
+};
+
+// FNV-1a.
+uint64_t hashBytes(const std::vector<char>& data) {
+    uint64_t hash = 0xcbf29ce484222325;
+    for (char c : data) hash = (hash ^ static_cast<unsigned char>(c)) * 0x100000001b3;
+    return hash;
+}
+
+// Empty: there is nowhere to keep it.
+fs::path cacheFile(const Device& device) {
+    const char* cache = std::getenv("XDG_CACHE_HOME");
+    const char* home = std::getenv("HOME");
+    fs::path folder;
+    if (cache && *cache == '/')
+        folder = cache;
+    else if (home && *home)
+        folder = fs::path(home) / ".cache";
+    else
+        return {};
+    const VkPhysicalDeviceProperties& p = device.adapter.properties;
+    std::string name = std::format("vulkan-{:04x}-{:04x}-{:08x}-", p.vendorID, p.deviceID, p.driverVersion);
+    for (uint8_t byte : p.pipelineCacheUUID) name += std::format("{:02x}", byte);
+    return folder / "skinbench" / (name + ".bin");
+}
+
+bool isOfThisDevice(const Device& device, const std::vector<char>& data) {
+    VkPipelineCacheHeaderVersionOne header{};
+    if (data.size() < sizeof header) return false;
+    std::memcpy(&header, data.data(), sizeof header);
+    const VkPhysicalDeviceProperties& p = device.adapter.properties;
+    return header.headerVersion == VK_PIPELINE_CACHE_HEADER_VERSION_ONE && header.vendorID == p.vendorID &&
+           header.deviceID == p.deviceID &&
+           std::memcmp(header.pipelineCacheUUID, p.pipelineCacheUUID, VK_UUID_SIZE) == 0;
+}
+
+// Empty: there is none that can be used.
+std::vector<char> readCache(const Device& device, const fs::path& path) {
+    std::error_code error;
+    const uint64_t size = fs::file_size(path, error);
+    if (error || size < sizeof(FileHeader)) return {};
+    std::ifstream file(path, std::ios::binary);
+    FileHeader header, expected;
+    file.read(reinterpret_cast<char*>(&header), sizeof header);
+    if (!file || std::memcmp(header.magic, expected.magic, sizeof header.magic) != 0) return {};
+    if (header.bytes != size - sizeof header) return {};
+    std::vector<char> data(header.bytes);
+    file.read(data.data(), static_cast<std::streamsize>(data.size()));
+    if (!file || hashBytes(data) != header.hash || !isOfThisDevice(device, data)) return {};
+    return data;
+}
+
+// Under another name first: a second process reads the old file or the new one, never half of one.
+void writeCache(const fs::path& path, const std::vector<char>& data) {
+    std::error_code error;
+    fs::create_directories(path.parent_path(), error);
+    const fs::path unfinished = path.string() + std::format(".{:08x}", std::random_device{}());
+    FileHeader header;
+    header.bytes = data.size();
+    header.hash = hashBytes(data);
+    std::ofstream file(unfinished, std::ios::binary);
+    file.write(reinterpret_cast<const char*>(&header), sizeof header);
+    file.write(data.data(), static_cast<std::streamsize>(data.size()));
+    file.close();
+    if (file) fs::rename(unfinished, path, error);
+    if (!file || error) fs::remove(unfinished, error);
+}
+
+}  // namespace
+
+Result<VkPipelineCache> openPipelineCache(Device& device) {
+    const fs::path path = cacheFile(device);
+    const std::vector<char> data = path.empty() ? std::vector<char>{} : readCache(device, path);
+    VkPipelineCacheCreateInfo info{VK_STRUCTURE_TYPE_PIPELINE_CACHE_CREATE_INFO};
+    info.initialDataSize = data.size();
+    info.pInitialData = data.data();
+    VkPipelineCache cache = VK_NULL_HANDLE;
+    VkResult result = device.vk.vkCreatePipelineCache(device.handle, &info, nullptr, &cache);
+    if (result != VK_SUCCESS && !data.empty()) {
+        info.initialDataSize = 0;
+        result = device.vk.vkCreatePipelineCache(device.handle, &info, nullptr, &cache);
+    }
+    SKINBENCH_TRY(check(device, result, "create a pipeline cache"));
+    return cache;
+}
+
+void closePipelineCache(Device& device, VkPipelineCache cache) {
+    if (!cache || device.lost) {
+        if (cache && !device.hung) device.vk.vkDestroyPipelineCache(device.handle, cache, nullptr);
+        return;
+    }
+    size_t size = 0;
+    std::vector<char> data;
+    VkResult result = device.vk.vkGetPipelineCacheData(device.handle, cache, &size, nullptr);
+    if (result == VK_SUCCESS) {
+        data.resize(size);
+        result = device.vk.vkGetPipelineCacheData(device.handle, cache, &size, data.data());
+        data.resize(size);
+    }
+    device.vk.vkDestroyPipelineCache(device.handle, cache, nullptr);
+    const fs::path path = cacheFile(device);
+    if (result == VK_SUCCESS && !data.empty() && !path.empty() && readCache(device, path) != data)
+        writeCache(path, data);
+}
+
+}  // namespace skinbench::vulkan

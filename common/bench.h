@@ -1,0 +1,73 @@
+// The runner: every case is verified against the reference, then the cases that are right are timed in rounds, each
+// round in a new shuffled order, so that a drift of the machine hits all alike.
+#pragma once
+
+#include <functional>
+#include <map>
+#include <optional>
+
+#include "common/backend.h"
+#include "common/skin_cpu.h"
+#include "common/variant.h"
+#include "common/workload.h"
+
+namespace skinbench {
+
+struct BenchSettings {
+    uint32_t frames = 30;      // timed frames of a case, over all rounds
+    uint32_t warmup = 3;       // untimed frames in every round, repeated until their mean holds still (3 s at most)
+    uint32_t rounds = 3;
+    uint32_t seed = 1;         // of the order within a round
+    bool timed = true;         // false: verify only
+    double tolerance = 2e-6;   // largest position error, relative to the posed bounding box's diagonal
+    uint32_t imageThreshold = 2;      // a pixel differs when a channel differs by more
+    double imageFraction = 0.001;     // that many pixels may differ between two routes
+};
+
+enum class CaseStatus { ok, skipped, failed };
+
+struct Accuracy {
+    SkinError error;             // the larger of the two captured copies
+    double tolerance = 0;
+    double imageDifference = 0;  // fraction of pixels that differ from the first image of the run
+    std::string imageReference;  // id of the case that made that image
+};
+
+// Samples are milliseconds per frame for all copies. `total` is the sum of the passes, and for the variant `cpu` also
+// of the skinning and the upload on the host (passes "skin" and "upload").
+struct CaseResult {
+    Case which;
+    std::string id;
+    CaseStatus status = CaseStatus::skipped;
+    std::string reason;  // empty when ok
+    std::vector<double> total;
+    std::map<std::string, std::vector<double>> passes;
+    std::vector<double> record;  // host time to record a frame, and to submit it
+    std::vector<double> submit;
+    uint32_t meshlets = 0;
+    std::optional<MemoryBytes> memory;
+    std::optional<Accuracy> accuracy;
+};
+
+// Backends by API; an API that could not be opened has a null backend and the reason.
+struct OpenBackend {
+    Backend* backend = nullptr;
+    std::string missing;
+};
+using Backends = std::map<Api, OpenBackend>;
+
+struct BenchEvents {
+    std::function<void(const std::string& what, double fraction)> progress;   // fraction of the work that is done
+    std::function<Result<void>(const std::vector<CaseResult>&)> checkpoint;   // after every case and every round
+    std::function<bool()> stop;                                               // true: end after the current case
+};
+
+// One result a case, in the order given. Fails only when nothing can be measured at all (the scene cannot be prepared)
+// or a checkpoint fails.
+Result<std::vector<CaseResult>> runBench(Workload& workload, const std::vector<Case>& cases, const Backends& backends,
+                                         const BenchSettings& settings, const BenchEvents& events);
+
+// Draws one frame of one case, checked like a benchmarked one, and returns its image.
+Result<Image> renderImage(Workload& workload, const Case& which, Backend& backend);
+
+}  // namespace skinbench

@@ -1,0 +1,125 @@
+#include "common/meshlets.h"
+
+#include <algorithm>
+#include <format>
+#include <map>
+#include <set>
+
+#include "common/builders/builders.h"
+
+namespace skinbench {
+
+const std::vector<Builder>& builders() {
+    static const std::vector<Builder> rows = {
+        {"meshopt", "meshoptimizer's builder: grown by adjacency, compact", buildMeshopt},
+        {"scan", "greedy in index order", buildScan},
+    };
+    return rows;
+}
+
+const Builder* findBuilder(const std::string& name) {
+    for (const Builder& builder : builders())
+        if (name == builder.name) return &builder;
+    return nullptr;
+}
+
+static std::string place(size_t meshlet) { return "meshlet " + std::to_string(meshlet) + ": "; }
+
+// The smallest of a triangle's three rotations, so that rotations compare equal and mirror images do not.
+static std::array<uint32_t, 3> canonical(uint32_t a, uint32_t b, uint32_t c) {
+    return std::min({std::array{a, b, c}, std::array{b, c, a}, std::array{c, a, b}});
+}
+
+Result<void> checkMeshlets(const Mesh& mesh, const MeshletMesh& cut) {
+    std::vector<std::array<uint32_t, 3>> drawn;
+    drawn.reserve(mesh.indices.size() / 3);
+    for (size_t m = 0; m < cut.meshlets.size(); ++m) {
+        const Meshlet& meshlet = cut.meshlets[m];
+        if (meshlet.vertexCount > cut.limits.vertices || meshlet.triangleCount > cut.limits.triangles)
+            return inputError(place(m) + std::format("{} vertices and {} triangles exceed the limits {} and {}",
+                                                     meshlet.vertexCount, meshlet.triangleCount, cut.limits.vertices,
+                                                     cut.limits.triangles));
+        if (uint64_t{meshlet.firstVertex} + meshlet.vertexCount > cut.vertices.size() ||
+            uint64_t{meshlet.firstTriangle} + meshlet.triangleCount > cut.triangles.size())
+            return inputError(place(m) + "reaches past the end of the vertex or triangle list");
+        for (uint32_t i = 0; i < meshlet.vertexCount; ++i)
+            if (cut.vertices[meshlet.firstVertex + i] >= mesh.positions.size())
+                return inputError(place(m) + "names a vertex that does not exist");
+        for (uint32_t t = 0; t < meshlet.triangleCount; ++t) {
+            const auto& local = cut.triangles[meshlet.firstTriangle + t];
+            if (std::ranges::any_of(local, [&](uint8_t i) { return i >= meshlet.vertexCount; }))
+                return inputError(place(m) + "a local index is not below the vertex count");
+            const uint32_t* ids = &cut.vertices[meshlet.firstVertex];
+            drawn.push_back(canonical(ids[local[0]], ids[local[1]], ids[local[2]]));
+        }
+    }
+    std::vector<std::array<uint32_t, 3>> wanted;
+    wanted.reserve(mesh.indices.size() / 3);
+    for (size_t i = 0; i + 2 < mesh.indices.size(); i += 3)
+        wanted.push_back(canonical(mesh.indices[i], mesh.indices[i + 1], mesh.indices[i + 2]));
+    std::ranges::sort(drawn);
+    std::ranges::sort(wanted);
+    if (drawn != wanted) return inputError("the meshlets do not hold every triangle exactly once");
+    return {};
+}
+
+MeshletStats meshletStats(const Mesh& mesh, const MeshletMesh& cut) {
+    MeshletStats stats;
+    stats.meshlets = static_cast<uint32_t>(cut.meshlets.size());
+    if (cut.meshlets.empty()) return stats;
+    uint64_t vertices = 0, triangles = 0, tuples = 0;
+    std::vector<std::array<uint16_t, kMaxInfluences>> seen;
+    for (const Meshlet& meshlet : cut.meshlets) {
+        vertices += meshlet.vertexCount;
+        triangles += meshlet.triangleCount;
+        seen.clear();
+        for (uint32_t i = 0; i < meshlet.vertexCount; ++i)
+            seen.push_back(mesh.influences[cut.vertices[meshlet.firstVertex + i]].joints);
+        std::ranges::sort(seen);
+        tuples += static_cast<uint64_t>(std::ranges::unique(seen).begin() - seen.begin());
+    }
+    const double count = static_cast<double>(cut.meshlets.size());
+    stats.meanVertices = static_cast<double>(vertices) / count;
+    stats.meanTriangles = static_cast<double>(triangles) / count;
+    stats.vertexFill = stats.meanVertices / cut.limits.vertices;
+    stats.triangleFill = stats.meanTriangles / cut.limits.triangles;
+    stats.vertexReuse = static_cast<double>(vertices) / static_cast<double>(mesh.positions.size());
+    stats.meanUniqueTuples = static_cast<double>(tuples) / count;
+    return stats;
+}
+
+static PackedMeshlets packRedirect(const MeshletMesh& cut) {
+    PackedMeshlets packed;
+    packed.descriptors.reserve(cut.meshlets.size() * 2);
+    packed.data.reserve(cut.vertices.size() + cut.triangles.size());
+    for (const Meshlet& meshlet : cut.meshlets) {
+        packed.descriptors.push_back(static_cast<uint32_t>(packed.data.size()));
+        packed.descriptors.push_back(meshlet.vertexCount << 16 | meshlet.triangleCount);
+        auto ids = cut.vertices.begin() + meshlet.firstVertex;
+        packed.data.insert(packed.data.end(), ids, ids + meshlet.vertexCount);
+        const size_t first = packed.data.size();
+        packed.data.resize(first + (meshlet.triangleCount + 3) / 4 * 3, 0);
+        for (uint32_t t = 0; t < meshlet.triangleCount; ++t)
+            for (uint32_t corner = 0; corner < 3; ++corner) {
+                const uint32_t byte = t * 3 + corner;
+                packed.data[first + byte / 4] |= uint32_t{cut.triangles[meshlet.firstTriangle + t][corner]}
+                                                 << byte % 4 * 8;
+            }
+    }
+    return packed;
+}
+
+const std::vector<MeshletLayout>& meshletLayouts() {
+    static const std::vector<MeshletLayout> rows = {
+        {"redirect", "a descriptor a meshlet and one index stream", packRedirect},
+    };
+    return rows;
+}
+
+const MeshletLayout* findMeshletLayout(const std::string& name) {
+    for (const MeshletLayout& layout : meshletLayouts())
+        if (name == layout.name) return &layout;
+    return nullptr;
+}
+
+}  // namespace skinbench

@@ -1,0 +1,47 @@
+// Results as data: the JSON of the result file, a CSV of the same rows, a table for a terminal, and one HTML page.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include <nlohmann/json_fwd.hpp>
+
+#include "common/bench.h"
+
+namespace skinbench {
+
+inline constexpr const char* kResultsSchema = "skinbench-results/1";
+
+// Where a run took place and what it was asked for.
+struct RunContext {
+    std::string version, revision, buildType;
+    std::string os, cpu;
+    std::vector<DeviceCaps> devices;  // those that were opened
+    std::string sceneName;
+    SceneStats scene;                 // prepared with `influences`
+    WorkloadSettings workload;
+    BenchSettings bench;
+};
+
+// Version, revision and build type of this program, operating system and processor of this machine.
+RunContext hostContext();
+
+// Times in milliseconds, memory in bytes, position error relative, normal error in radians; fields that do not apply
+// are null.
+nlohmann::ordered_json resultsJson(const RunContext& context, const std::vector<CaseResult>& results);
+
+nlohmann::ordered_json capsJson(const DeviceCaps& caps);
+
+// One line a case, the columns named in the first line; quoted as RFC 4180 says.
+std::string resultsCsv(const nlohmann::ordered_json& results);
+
+// Fixed-width lines for a terminal. Times of software drivers carry a mark that is explained below the table.
+std::string resultsTable(const nlohmann::ordered_json& results);
+
+// Reads a result file; the error says what is wrong with it.
+Result<nlohmann::ordered_json> loadResults(const std::string& path);
+
+// One self-contained page of one or more result files.
+std::string reportHtml(const std::vector<nlohmann::ordered_json>& results);
+
+}  // namespace skinbench

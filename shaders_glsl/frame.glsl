@@ -1,0 +1,17 @@
+// What every stage knows about the frame and about the copy that it works on.
+//
+// drawConstants: x: copy, y: first work group of the draw (draws above the device's group count are split).
+// A batched draw covers all copies; there the copy follows from the vertex, group or invocation number.
+#include "shared.h"
+#include "platform.glsl"
+
+layout(std140, binding = SLOT_FRAME) uniform FrameBlock { FrameConstants frame; };
+
+// Copies stand on a grid. The offset is added after skinning, so that skinned positions stay near the origin, where
+// floats are dense, and can be compared with the reference of a single character.
+vec4 clipPosition(vec3 skinned, uint copyNumber) {
+    float row = floor((float(copyNumber) + 0.5) / frame.grid.x);
+    float column = float(copyNumber) - row * frame.grid.x;
+    vec3 placed = skinned + vec3(column * frame.grid.y, -row * frame.grid.z, 0.0);
+    return frame.viewProjection * vec4(placed, 1.0);
+}

@@ -1,0 +1,47 @@
+// Linear blend skinning: blend the 3x4 joint matrices, transform once. The same loads and the same order of additions
+// in every variant on every API.
+#include "frame.glsl"
+
+layout(std430, binding = SLOT_PALETTE) readonly restrict buffer PaletteBlock { vec4 paletteRows[]; };
+
+struct Skinned {
+    vec3 position;
+    vec3 normal;
+};
+
+struct Blend {
+    vec4 row0;
+    vec4 row1;
+    vec4 row2;
+};
+
+void addInfluence(inout Blend blend, uint firstRow, float weight) {
+    blend.row0 += weight * paletteRows[firstRow];
+    blend.row1 += weight * paletteRows[firstRow + 1u];
+    blend.row2 += weight * paletteRows[firstRow + 2u];
+}
+
+void addFour(inout Blend blend, uint copyNumber, uvec4 joints, vec4 weights) {
+    uvec4 rows = (joints + copyNumber * uint(JOINT_COUNT)) * 3u;
+    addInfluence(blend, rows.x, weights.x);
+    addInfluence(blend, rows.y, weights.y);
+    addInfluence(blend, rows.z, weights.z);
+    addInfluence(blend, rows.w, weights.w);
+}
+
+Skinned skinVertex(Vertex vertex, uint copyNumber) {
+    Blend blend = Blend(vec4(0.0), vec4(0.0), vec4(0.0));
+    addFour(blend, copyNumber, vertex.joints0, vertex.weights0);
+#if INFLUENCES == 8
+    addFour(blend, copyNumber, vertex.joints1, vertex.weights1);
+#endif
+    vec4 p = vec4(vertex.position, 1.0);
+    vec3 n = vertex.normal;
+    Skinned skinned;
+    skinned.position = vec3(dot(blend.row0, p), dot(blend.row1, p), dot(blend.row2, p));
+    skinned.normal = normalize(vec3(dot(blend.row0.xyz, n), dot(blend.row1.xyz, n), dot(blend.row2.xyz, n)));
+    return skinned;
+}
+
+// The `none` variant: what the others do without skinning.
+Skinned keepVertex(Vertex vertex) { return Skinned(vertex.position, vertex.normal); }

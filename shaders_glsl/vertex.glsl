@@ -1,0 +1,31 @@
+// `vertex`: linear blend skinning in the vertex stage, fed by attributes or pulling from storage buffers. With
+// SKINNING 0 the variant `none` on routes without mesh shaders.
+#if STAGE_VERTEX
+#if FETCH_PULL
+#include CODEC_FILE
+#else
+#include "attributes.glsl"
+#endif
+#include "skin.glsl"
+#include "vertex_io.glsl"
+#include "capture.glsl"
+
+void main() {
+    uint copyNumber = vertexCopy();
+#if FETCH_PULL
+    Vertex vertex = loadVertex(VERTEX_INDEX);
+#else
+    Vertex vertex = loadAttributes();
+#endif
+#if SKINNING
+    Skinned skinned = skinVertex(vertex, copyNumber);
+#else
+    Skinned skinned = keepVertex(vertex);
+#endif
+    emitVertex(skinned.position, skinned.normal, vertex.uv, copyNumber);
+#if VIEW != VIEW_SHADED
+    surface.color = viewColor(vertex, 0u);
+#endif
+    captureVertex(skinned.position, skinned.normal, vertex.uv, copyNumber, VERTEX_INDEX - copyNumber * uint(VERTEX_COUNT));
+}
+#endif

@@ -1,0 +1,22 @@
+// The output side of a vertex stage. GEOMETRY_DONE(…) is the last thing such a stage does.
+#include "frame.glsl"
+#include "view.glsl"
+
+layout(location = 0) out SURFACE_BLOCK surface;
+
+out gl_PerVertex { vec4 gl_Position; };
+
+// The copy that this vertex belongs to; VERTEX_INDEX already counts over all copies.
+uint vertexCopy() {
+#if BATCHED
+    return VERTEX_INDEX / uint(VERTEX_COUNT);
+#else
+    return drawConstants.x;
+#endif
+}
+
+void emitVertex(vec3 position, vec3 normal, vec2 uv, uint copyNumber) {
+    gl_Position = clipPosition(position, copyNumber);
+    surface.normal = normal;
+    surface.uv = uv;
+}

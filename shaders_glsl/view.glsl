@@ -1,0 +1,35 @@
+// The colour of a vertex in the debug views of `render`; white, and never read, in the shaded one.
+#include "surface.glsl"
+#include "vertex_data.glsl"
+
+#if VIEW == VIEW_WEIGHTS
+vec3 blendColors(uvec4 joints, vec4 weights) {
+    return weights.x * labelColor(joints.x) + weights.y * labelColor(joints.y) + weights.z * labelColor(joints.z) +
+           weights.w * labelColor(joints.w);
+}
+#endif
+
+vec3 viewColor(Vertex vertex, uint meshlet) {
+#if VIEW == VIEW_MESHLETS
+    return labelColor(meshlet);
+#elif VIEW == VIEW_WEIGHTS
+    vec3 color = blendColors(vertex.joints0, vertex.weights0);
+#if INFLUENCES == 8
+    color += blendColors(vertex.joints1, vertex.weights1);
+#endif
+    return color;
+#elif VIEW == VIEW_TUPLES
+    uvec4 used = mix(uvec4(0xFFFFu), vertex.joints0, greaterThan(vertex.weights0, vec4(0.0)));
+    uint label = used.x;
+    label = label * 31u + used.y;
+    label = label * 31u + used.z;
+    label = label * 31u + used.w;
+#if INFLUENCES == 8
+    used = mix(uvec4(0xFFFFu), vertex.joints1, greaterThan(vertex.weights1, vec4(0.0)));
+    label = (((label * 31u + used.x) * 31u + used.y) * 31u + used.z) * 31u + used.w;
+#endif
+    return labelColor(label);
+#else
+    return vec3(1.0);
+#endif
+}

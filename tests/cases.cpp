@@ -1,0 +1,147 @@
+#include "tests/cases.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdlib>
+#include <filesystem>
+#include <numbers>
+
+namespace skinbench {
+namespace fs = std::filesystem;
+
+std::vector<Case> everyCase() {
+    std::vector<Case> cases;
+    for (const Route& route : routes())
+        for (const Variant& variant : variants())
+            for (const Codec& codec : codecs()) {
+                if (!runsOn(variant, route) || route.api == Api::cpu) continue;
+                const bool meshes = route.dialect != MeshDialect::none;
+                for (int influences : {4, 8})
+                    for (Submission submission : {Submission::perCopy, Submission::batched})
+                        for (bool second : {false, true}) {
+                            Case which;
+                            which.route = &route;
+                            which.variant = &variant;
+                            which.codec = &codec;
+                            which.influences = influences;
+                            which.submission = submission;
+                            if (meshes) {
+                                which.builder = findBuilder(second ? "scan" : "meshopt");
+                                which.layout = findMeshletLayout("redirect");
+                                which.packedWrites = !second;
+                            } else if (variant.fetches) {
+                                which.fetch = second ? VertexFetch::pull : VertexFetch::attributes;
+                            }
+                            cases.push_back(which);
+                        }
+                for (View view : {View::meshlets, View::weights, View::tuples}) {
+                    if (!meshes && (view == View::meshlets || !variant.fetches)) continue;
+                    Case which;
+                    which.route = &route;
+                    which.variant = &variant;
+                    which.codec = &codec;
+                    which.view = view;
+                    if (meshes) {
+                        which.builder = findBuilder("meshopt");
+                        which.layout = findMeshletLayout("redirect");
+                    }
+                    cases.push_back(which);
+                }
+            }
+    return cases;
+}
+
+DeviceCaps generousCaps(Api api) {
+    DeviceCaps caps;
+    caps.api = api;
+    caps.name = "test device";
+    caps.timestampBits = 64;
+    caps.timestampPeriodNs = 1;
+    caps.ext = {true, 256, 256, 128, 65535, 32768, 28672, 32};
+    caps.nv = caps.ext;
+    caps.maxComputeGroupCount = 65535;
+    caps.maxStorageBytes = uint64_t{1} << 32;
+    caps.maxUniformBytes = 65536;
+    caps.storageBlocksVertex = 8;
+    return caps;
+}
+
+ShaderLibrary testShaders() {
+    auto library = loadShaders(SKINBENCH_SOURCE_DIR "/shaders_glsl");
+    return library ? *library : ShaderLibrary{};
+}
+
+Scene tinyScene(uint32_t segments) {
+    Scene scene;
+    scene.name = "bar";
+    Mesh& mesh = scene.mesh;
+    const uint32_t sides = 8, rings = segments * 2 + 1;
+    for (uint32_t ring = 0; ring < rings; ++ring)
+        for (uint32_t side = 0; side < sides; ++side) {
+            const float angle = 2 * std::numbers::pi_v<float> * static_cast<float>(side) / sides;
+            const glm::vec3 normal(std::cos(angle), 0, std::sin(angle));
+            mesh.positions.push_back(normal * 0.3f + glm::vec3(0, ring * 0.25f, 0));
+            mesh.normals.push_back(normal);
+            mesh.uvs.emplace_back(side / static_cast<float>(sides), ring / static_cast<float>(rings));
+            Influences influences;
+            for (uint32_t i = 0; i < kMaxInfluences; ++i) {
+                influences.joints[i] = static_cast<uint16_t>((ring / 2 + i) % segments);
+                influences.weights[i] = i <= side ? 1.0f / static_cast<float>(1 + i + (ring + side) % 3) : 0.0f;
+            }
+            mesh.influences.push_back(influences);
+        }
+    for (uint32_t ring = 0; ring + 1 < rings; ++ring)
+        for (uint32_t side = 0; side < sides; ++side) {
+            const uint32_t a = ring * sides + side, b = ring * sides + (side + 1) % sides;
+            for (uint32_t index : {a, a + sides, b, b, a + sides, b + sides}) mesh.indices.push_back(index);
+        }
+    scene.parts.push_back({"bar", 0, static_cast<uint32_t>(mesh.indices.size()), false});
+    Clip bend{"bend", 2, {}};
+    for (uint32_t s = 0; s < segments; ++s) {
+        Node node;
+        node.name = "joint" + std::to_string(s);
+        node.parent = static_cast<int32_t>(s) - 1;
+        node.translation = {0, s ? 0.5f : 0.0f, 0};
+        scene.skeleton.nodes.push_back(node);
+        glm::mat4 inverse(1);
+        inverse[3] = glm::vec4(0, -0.5f * static_cast<float>(s), 0, 1);
+        scene.skeleton.joints.push_back({s, inverse});
+        const float half = 0.06f + 0.01f * static_cast<float>(s % 3);
+        bend.channels.push_back({s, ChannelPath::rotation, Interpolation::linear, {0, 1, 2},
+                                 {{0, 0, -std::sin(half), std::cos(half)},
+                                  {std::sin(half), 0, 0, std::cos(half)},
+                                  {0, 0, -std::sin(half), std::cos(half)}}});
+    }
+    scene.clips.push_back(bend);
+    return scene;
+}
+
+Workload tinyWorkload(uint32_t copies) {
+    WorkloadSettings settings;
+    settings.copies = copies;
+    settings.width = 320;
+    settings.height = 180;
+    auto workload = makeWorkload(tinyScene(), testShaders(), settings);
+    SKINBENCH_ASSERT(workload);
+    return std::move(*workload);
+}
+
+std::string modelFolder() {
+    const char* given = std::getenv("SKINBENCH_MODELS");
+    const std::string folder = given ? given : SKINBENCH_SOURCE_DIR "/../shared/models";
+    std::error_code none;
+    return fs::is_directory(folder, none) ? folder : "";
+}
+
+std::vector<std::string> modelFiles() {
+    std::vector<std::string> files;
+    const std::string folder = modelFolder();
+    if (folder.empty()) return files;
+    for (const fs::directory_entry& entry : fs::recursive_directory_iterator(folder))
+        if (entry.path().extension() == ".glb" || entry.path().extension() == ".gltf")
+            files.push_back(entry.path().string());
+    std::ranges::sort(files);
+    return files;
+}
+
+}  // namespace skinbench

@@ -1,0 +1,27 @@
+// What tests of plans, shaders and backends share: every case, devices that allow everything, a tiny scene.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "common/workload.h"
+
+namespace skinbench {
+
+// Every route, variant, codec and option that changes a shader or a plan.
+std::vector<Case> everyCase();
+
+DeviceCaps generousCaps(Api api);
+
+ShaderLibrary testShaders();
+
+// A bar of `segments` boxes along y with a joint each and a clip that bends it; smooth weights of up to 8 influences.
+Scene tinyScene(uint32_t segments = 12);
+
+Workload tinyWorkload(uint32_t copies);
+
+// The folder with the shared models, or empty when this machine has none.
+std::string modelFolder();
+std::vector<std::string> modelFiles();
+
+}  // namespace skinbench

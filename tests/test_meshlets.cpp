@@ -1,0 +1,262 @@
+// Builders, the check of what they build, the packed words and the statistics.
+#include <algorithm>
+#include <map>
+
+#include <catch2/catch_test_macros.hpp>
+#include <catch2/matchers/catch_matchers_floating_point.hpp>
+#include <catch2/matchers/catch_matchers_string.hpp>
+
+#include "common/meshlets.h"
+#include "tests/cases.h"
+
+using namespace skinbench;
+using Catch::Matchers::ContainsSubstring;
+using Catch::Matchers::WithinRel;
+
+namespace {
+
+const std::vector<MeshletLimits> kLimits = {{64, 124}, {64, 126}, {32, 60}, {128, 252}, {255, 512}, {3, 4}, {4, 5}};
+
+// A mesh of which only the indices matter.
+Mesh indexed(uint32_t vertices, std::vector<uint32_t> indices) {
+    Mesh mesh;
+    for (uint32_t v = 0; v < vertices; ++v) {
+        mesh.positions.emplace_back(static_cast<float>(v % 3), static_cast<float>(v / 3), 0);
+        mesh.influences.push_back({});
+    }
+    mesh.indices = std::move(indices);
+    return mesh;
+}
+
+void requireGoodCuts(const Mesh& mesh) {
+    for (const Builder& builder : builders())
+        for (const MeshletLimits& limits : kLimits) {
+            INFO(builder.name << " " << limits.vertices << "/" << limits.triangles);
+            const MeshletMesh cut = builder.build(mesh, limits);
+            CHECK(cut.limits == limits);
+            const auto right = checkMeshlets(mesh, cut);
+            if (!right) FAIL(right.error().text);
+            CHECK(cut.triangles.size() == mesh.indices.size() / 3);
+            for (const Meshlet& meshlet : cut.meshlets) CHECK(meshlet.triangleCount > 0);
+        }
+}
+
+// The triangles with their winding as the shader would read them, straight from the words of the header's layout.
+std::vector<std::array<uint32_t, 3>> decode(const PackedMeshlets& packed) {
+    std::vector<std::array<uint32_t, 3>> triangles;
+    for (size_t m = 0; m + 1 < packed.descriptors.size(); m += 2) {
+        const uint32_t first = packed.descriptors[m], counts = packed.descriptors[m + 1];
+        const uint32_t vertices = counts >> 16 & 0x7FFF, count = counts & 0xFFFF;
+        for (uint32_t t = 0; t < count; ++t) {
+            std::array<uint32_t, 3> corners;
+            for (uint32_t c = 0; c < 3; ++c) {
+                const uint32_t byte = t * 3 + c;
+                const uint32_t local = packed.data.at(first + vertices + byte / 4) >> byte % 4 * 8 & 0xFF;
+                REQUIRE(local < vertices);
+                corners[c] = packed.data.at(first + local);
+            }
+            triangles.push_back(corners);
+        }
+    }
+    return triangles;
+}
+
+std::vector<std::array<uint32_t, 3>> trianglesOf(const MeshletMesh& cut) {
+    std::vector<std::array<uint32_t, 3>> triangles;
+    for (const Meshlet& meshlet : cut.meshlets)
+        for (uint32_t t = 0; t < meshlet.triangleCount; ++t) {
+            const auto& local = cut.triangles[meshlet.firstTriangle + t];
+            triangles.push_back({cut.vertices[meshlet.firstVertex + local[0]],
+                                 cut.vertices[meshlet.firstVertex + local[1]],
+                                 cut.vertices[meshlet.firstVertex + local[2]]});
+        }
+    return triangles;
+}
+
+}  // namespace
+
+TEST_CASE("builders are found by name") {
+    for (const Builder& builder : builders()) CHECK(findBuilder(builder.name) == &builder);
+    CHECK(findBuilder("magic") == nullptr);
+    for (const MeshletLayout& layout : meshletLayouts()) CHECK(findMeshletLayout(layout.name) == &layout);
+    CHECK(findMeshletLayout("fixed-or-not") == nullptr);
+}
+
+TEST_CASE("builders keep every limit on a small scene and on every built-in one") {
+    requireGoodCuts(tinyScene().mesh);
+    for (const BuiltinScene& row : builtinScenes()) {
+        INFO(row.name);
+        auto stored = makeBuiltin(row.name, 3000);
+        REQUIRE(stored);
+        for (Geometry geometry : {Geometry::welded, Geometry::unwelded}) {
+            auto scene = prepareScene(*stored, {.geometry = geometry});
+            REQUIRE(scene);
+            requireGoodCuts(scene->mesh);
+        }
+    }
+}
+
+TEST_CASE("builders keep the limits on models of the shared folder") {
+    size_t used = 0;
+    for (const std::string& file : modelFiles()) {
+        auto stored = loadScene(file);
+        if (!stored || stored->mesh.indices.size() > 300'000) continue;
+        INFO(file);
+        auto scene = prepareScene(std::move(*stored), {});
+        REQUIRE(scene);
+        for (const Builder& builder : builders()) CHECK(checkMeshlets(scene->mesh, builder.build(scene->mesh, {})));
+        if (++used == 6) break;
+    }
+    if (used == 0) SKIP("no model folder");
+}
+
+TEST_CASE("scan closes a meshlet when the next triangle does not fit") {
+    // Five vertices: 0 1 2, 2 1 3 fill the four places; 0 4 1 opens the next; a degenerate triangle adds one vertex.
+    const Mesh mesh = indexed(6, {0, 1, 2, 2, 1, 3, 0, 4, 1, 5, 5, 4, 4, 4, 4});
+    const MeshletMesh cut = findBuilder("scan")->build(mesh, {4, 8});
+    REQUIRE(cut.meshlets.size() == 2);
+    CHECK(cut.meshlets[0].vertexCount == 4);
+    CHECK(cut.meshlets[0].triangleCount == 2);
+    CHECK(cut.meshlets[1].firstVertex == 4);
+    CHECK(cut.meshlets[1].firstTriangle == 2);
+    CHECK(cut.meshlets[1].vertexCount == 4);
+    CHECK(cut.meshlets[1].triangleCount == 3);
+    CHECK(cut.vertices == std::vector<uint32_t>{0, 1, 2, 3, 0, 4, 1, 5});
+    CHECK(cut.triangles == std::vector<std::array<uint8_t, 3>>{{0, 1, 2}, {2, 1, 3}, {0, 1, 2}, {3, 3, 1}, {1, 1, 1}});
+    CHECK(checkMeshlets(mesh, cut));
+}
+
+TEST_CASE("scan closes a meshlet at the triangle limit") {
+    const Mesh mesh = indexed(3, {0, 1, 2, 1, 2, 0, 0, 2, 1, 2, 0, 1, 0, 1, 2});
+    const MeshletMesh cut = findBuilder("scan")->build(mesh, {64, 2});
+    REQUIRE(cut.meshlets.size() == 3);
+    CHECK(cut.meshlets[0].triangleCount == 2);
+    CHECK(cut.meshlets[1].triangleCount == 2);
+    CHECK(cut.meshlets[2].triangleCount == 1);
+    CHECK(cut.vertices == std::vector<uint32_t>{0, 1, 2, 0, 2, 1, 0, 1, 2});
+    CHECK(checkMeshlets(mesh, cut));
+}
+
+TEST_CASE("an empty index buffer has no meshlet") {
+    const MeshletMesh cut = findBuilder("scan")->build(indexed(3, {}), {});
+    CHECK(cut.meshlets.empty());
+    CHECK(checkMeshlets(indexed(3, {}), cut));
+    CHECK(meshletStats(indexed(3, {}), cut).meshlets == 0);
+}
+
+TEST_CASE("the check refuses each kind of damage") {
+    const Mesh mesh = tinyScene().mesh;
+    const MeshletMesh good = findBuilder("scan")->build(mesh, {32, 60});
+    REQUIRE(good.meshlets.size() > 2);
+    REQUIRE(checkMeshlets(mesh, good));
+    auto refused = [&](const char* why, auto damage) {
+        MeshletMesh bad = good;
+        damage(bad);
+        const auto checked = checkMeshlets(mesh, bad);
+        INFO(why);
+        REQUIRE(!checked);
+        CHECK_THAT(checked.error().text, ContainsSubstring(why));
+    };
+    refused("exceed the limits", [](MeshletMesh& m) { m.limits.vertices = m.meshlets[0].vertexCount - 1; });
+    refused("exceed the limits", [](MeshletMesh& m) { m.limits.triangles = m.meshlets[0].triangleCount - 1; });
+    refused("past the end", [](MeshletMesh& m) { m.vertices.pop_back(); });
+    refused("past the end", [](MeshletMesh& m) { m.triangles.pop_back(); });
+    refused("past the end", [](MeshletMesh& m) { m.meshlets[1].firstVertex = UINT32_MAX; });
+    refused("past the end", [](MeshletMesh& m) { m.meshlets[1].firstTriangle = UINT32_MAX; });
+    refused("meshlet 0: names a vertex that does not exist", [](MeshletMesh& m) { m.vertices[0] = 1'000'000; });
+    refused("a local index is not below", [](MeshletMesh& m) { m.triangles[0][1] = 32; });
+    refused("exactly once", [](MeshletMesh& m) { std::swap(m.triangles[0][0], m.triangles[0][1]); });
+    refused("exactly once", [](MeshletMesh& m) { m.triangles[1] = m.triangles[0]; });
+    refused("exactly once", [](MeshletMesh& m) { m.meshlets.pop_back(); });
+    refused("exactly once", [](MeshletMesh& m) { m.meshlets.push_back(m.meshlets[0]); });
+    refused("exactly once", [](MeshletMesh& m) { --m.meshlets[0].triangleCount; });
+    refused("exactly once", [](MeshletMesh& m) { std::swap(m.vertices[0], m.vertices[1]); });
+}
+
+TEST_CASE("the check allows a triangle to start at another corner, but not its mirror image") {
+    const Mesh mesh = indexed(4, {0, 1, 2, 1, 3, 2});
+    MeshletMesh cut{{}, {{0, 0, 4, 2}}, {0, 1, 2, 3}, {{2, 0, 1}, {3, 2, 1}}};
+    CHECK(checkMeshlets(mesh, cut));
+    cut.triangles[0] = {1, 0, 2};
+    CHECK(!checkMeshlets(mesh, cut));
+    // A degenerate triangle has no winding but keeps its corners.
+    const Mesh degenerate = indexed(3, {0, 0, 1, 2, 1, 2});
+    CHECK(checkMeshlets(degenerate, {{}, {{0, 0, 3, 2}}, {0, 1, 2}, {{0, 1, 0}, {1, 2, 2}}}));
+    CHECK(!checkMeshlets(degenerate, {{}, {{0, 0, 3, 2}}, {0, 1, 2}, {{0, 1, 1}, {1, 2, 2}}}));
+}
+
+TEST_CASE("redirect packs the words that its layout describes") {
+    // Two meshlets: 4 vertices with 5 triangles (15 bytes, 2 groups of four), 3 vertices with 1 triangle.
+    const MeshletMesh cut{{},
+                          {{0, 0, 4, 5}, {4, 5, 3, 1}},
+                          {10, 11, 12, 70'000, 7, 8, 9},
+                          {{0, 1, 2}, {2, 1, 3}, {3, 0, 1}, {1, 2, 3}, {3, 2, 0}, {2, 0, 1}}};
+    const PackedMeshlets packed = findMeshletLayout("redirect")->pack(cut);
+    CHECK(packed.descriptors == std::vector<uint32_t>{0, 4u << 16 | 5, 10, 3u << 16 | 1});
+    CHECK(packed.data == std::vector<uint32_t>{10, 11, 12, 70'000,                  // vertices
+                                               0x02020100, 0x00030301, 0x03020101,  // triangles 0 to 3
+                                               0x00000203, 0, 0,                    // triangle 4, filled up
+                                               7, 8, 9, 0x00010002, 0, 0});
+}
+
+TEST_CASE("packed meshlets decode to the triangles that were packed") {
+    const Scene tiny = tinyScene();
+    const auto robot = makeBuiltin("robot", 2000);
+    REQUIRE(robot);
+    for (const Mesh* mesh : {&tiny.mesh, &robot->mesh})
+        for (const Builder& builder : builders())
+            for (const MeshletLimits& limits : kLimits) {
+                const MeshletMesh cut = builder.build(*mesh, limits);
+                const PackedMeshlets packed = findMeshletLayout("redirect")->pack(cut);
+                INFO(builder.name << " " << limits.vertices << "/" << limits.triangles);
+                CHECK(packed.descriptors.size() == cut.meshlets.size() * 2);
+                CHECK(decode(packed) == trianglesOf(cut));
+                size_t words = 0;
+                for (const Meshlet& meshlet : cut.meshlets)
+                    words += meshlet.vertexCount + (meshlet.triangleCount + 3) / 4 * 3;
+                CHECK(packed.data.size() == words);
+            }
+}
+
+TEST_CASE("statistics of a cut made by hand") {
+    Mesh mesh = indexed(6, {0, 1, 2, 2, 1, 3, 3, 4, 5});
+    auto joints = [](uint16_t a, uint16_t b) {
+        Influences influences;
+        influences.joints.fill(kNoJoint);
+        influences.joints[0] = a;
+        influences.joints[1] = b;
+        influences.weights = {0.5f, 0.5f};
+        return influences;
+    };
+    // Weights do not make a tuple, and neither do vertices outside the meshlet.
+    mesh.influences = {joints(1, 2), joints(1, 2), joints(2, 1), joints(1, 2), joints(5, 6), joints(7, 8)};
+    mesh.influences[1].weights = {0.75f, 0.25f};
+    const MeshletMesh cut{
+        {8, 4}, {{0, 0, 4, 2}, {4, 2, 3, 1}}, {0, 1, 2, 3, 3, 4, 5}, {{0, 1, 2}, {2, 1, 3}, {0, 1, 2}}};
+    REQUIRE(checkMeshlets(mesh, cut));
+    const MeshletStats stats = meshletStats(mesh, cut);
+    CHECK(stats.meshlets == 2);
+    CHECK(stats.meanVertices == 3.5);
+    CHECK(stats.meanTriangles == 1.5);
+    CHECK(stats.vertexFill == 3.5 / 8);
+    CHECK(stats.triangleFill == 1.5 / 4);
+    CHECK_THAT(stats.vertexReuse, WithinRel(7.0 / 6, 1e-14));
+    CHECK(stats.meanUniqueTuples == 2.5);
+}
+
+TEST_CASE("meshopt repeats fewer vertices than scan on a scene in random order") {
+    auto scene = makeBuiltin("biped", 5000);
+    REQUIRE(scene);
+    auto& indices = scene->mesh.indices;
+    uint32_t state = 1;
+    for (size_t t = indices.size() / 3; t > 1; --t) {
+        state = state * 1664525 + 1013904223;
+        for (size_t c = 0; c < 3; ++c) std::swap(indices[(t - 1) * 3 + c], indices[state % t * 3 + c]);
+    }
+    const MeshletMesh scan = findBuilder("scan")->build(scene->mesh, {});
+    const MeshletMesh meshopt = findBuilder("meshopt")->build(scene->mesh, {});
+    REQUIRE(checkMeshlets(scene->mesh, scan));
+    REQUIRE(checkMeshlets(scene->mesh, meshopt));
+    CHECK(meshletStats(scene->mesh, meshopt).vertexReuse < 1.5);
+    CHECK(meshletStats(scene->mesh, scan).vertexReuse > 3);
+}

@@ -1,0 +1,351 @@
+// The result file's contract, its CSV, table and page.
+#include <algorithm>
+#include <limits>
+#include <sstream>
+
+#include <catch2/catch_test_macros.hpp>
+#include <catch2/matchers/catch_matchers_string.hpp>
+#include <nlohmann/json.hpp>
+
+#include "common/file.h"
+#include "common/report.h"
+#include "tests/cases.h"
+#include "tests/gltf_fixture.h"
+
+using namespace skinbench;
+using Catch::Matchers::ContainsSubstring;
+using Json = nlohmann::ordered_json;
+
+namespace {
+
+Case makeCase(const char* route, const char* variant) {
+    Case which;
+    which.route = findRoute(route);
+    which.variant = findVariant(variant);
+    which.codec = findCodec("uc");
+    if (which.route->dialect != MeshDialect::none) {
+        which.builder = findBuilder("scan");
+        which.layout = findMeshletLayout("redirect");
+    }
+    return which;
+}
+
+CaseResult makeResult(const Case& which, CaseStatus status, std::string reason = {}) {
+    CaseResult result;
+    result.which = which;
+    result.id = caseId(which);
+    result.status = status;
+    result.reason = std::move(reason);
+    return result;
+}
+
+RunContext makeContext() {
+    RunContext context;
+    context.version = "1.2.3";
+    context.revision = "abc";
+    context.buildType = "Release";
+    context.os = "Test OS";
+    context.cpu = "Test CPU";
+    DeviceCaps vulkan = generousCaps(Api::vulkan), opengl = generousCaps(Api::opengl);
+    vulkan.name = "Lava <pipe> & co";
+    vulkan.software = true;
+    opengl.name = "Real GPU";
+    opengl.ext.available = false;
+    context.devices = {vulkan, opengl};
+    context.sceneName = "hero, \"the\" <b>&amp;";
+    context.scene = {100, 200, 30, 40, 1.5, 4};
+    context.workload.copies = 7;
+    context.workload.animated = false;
+    return context;
+}
+
+// A timed case on a software driver, one on hardware, a skipped one, a failed one, and one that was only verified.
+std::vector<CaseResult> makeResults() {
+    std::vector<CaseResult> results;
+    results.push_back(makeResult(makeCase("vk-ext", "mesh"), CaseStatus::ok));
+    results[0].total = {1, 2, 4, 9};
+    results[0].passes = {{"draw", {1, 2, 4, 9}}};
+    results[0].record = {0.25, 0.5, 0.75};
+    results[0].submit = {0.125};
+    results[0].meshlets = 12;
+    results[0].memory = MemoryBytes{1000, 0, 24, 0, 0, 0, 0};
+    results[0].accuracy = Accuracy{{1.5e-7, 2e-6}, 2e-6, 0, "vk-ext/mesh/uc/scan/redirect"};
+    results.push_back(makeResult(makeCase("gl", "compute"), CaseStatus::ok));
+    results[1].total = {0.5};
+    results[1].passes = {{"skin", {0.2}}, {"draw", {0.3}}};
+    results[1].memory = MemoryBytes{2048, 512, 0, 0, 0, 0, 1024};
+    results[1].accuracy = Accuracy{{1e-7, 1e-6}, 2e-6, 0.25, "vk-ext/mesh/uc/scan/redirect"};
+    results.push_back(makeResult(makeCase("gl-nv", "mesh"), CaseStatus::skipped, "Real GPU has no GL_NV_mesh_shader"));
+    results.push_back(makeResult(makeCase("vk", "vertex"), CaseStatus::failed, "off by \"1\", <far>\nand more"));
+    results[3].accuracy = Accuracy{{std::numeric_limits<double>::infinity(), 0.5}, 2e-6, 0, {}};
+    results.push_back(makeResult(makeCase("cpu", "cpu"), CaseStatus::ok));
+    results[4].accuracy = Accuracy{{0, 0}, 2e-6, 0, {}};
+    return results;
+}
+
+Json sample() { return resultsJson(makeContext(), makeResults()); }
+
+std::vector<std::string> keysOf(const Json& object) {
+    std::vector<std::string> keys;
+    for (const auto& [key, value] : object.items()) keys.push_back(key);
+    return keys;
+}
+
+using Keys = std::vector<std::string>;
+
+// RFC 4180: fields, with quotes undone.
+std::vector<std::vector<std::string>> parseCsv(const std::string& text) {
+    std::vector<std::vector<std::string>> rows(1, {""});
+    bool quoted = false;
+    for (size_t i = 0; i < text.size(); ++i) {
+        const char c = text[i];
+        std::string& field = rows.back().back();
+        if (quoted && c == '"' && i + 1 < text.size() && text[i + 1] == '"')
+            field += text[i++];
+        else if (c == '"')
+            quoted = !quoted;
+        else if (!quoted && c == ',')
+            rows.back().push_back("");
+        else if (!quoted && c == '\n')
+            rows.push_back({""});
+        else
+            field += c;
+    }
+    CHECK(!quoted);
+    CHECK(rows.back() == std::vector<std::string>{""});
+    rows.pop_back();
+    return rows;
+}
+
+}  // namespace
+
+TEST_CASE("the host has a name") {
+    const RunContext context = hostContext();
+    CHECK(context.os.find("Linux") != std::string::npos);
+    CHECK(!context.cpu.empty());
+    CHECK(!context.version.empty());
+    CHECK(!context.revision.empty());
+}
+
+TEST_CASE("the result file has the keys of its schema") {
+    const Json json = sample();
+    CHECK(keysOf(json) == Keys{"schema", "tool", "host", "devices", "scene", "settings", "cases"});
+    CHECK(json["schema"] == "skinbench-results/1");
+    CHECK(keysOf(json["tool"]) == Keys{"version", "revision", "build_type"});
+    CHECK(keysOf(json["host"]) == Keys{"os", "cpu"});
+    CHECK(keysOf(json["scene"]) ==
+          Keys{"name", "vertices", "triangles", "joints", "unique_tuples", "mean_influences", "max_influences"});
+    const Keys settings = {"copies", "frames", "warmup", "width",    "height",
+                           "pose",   "rounds", "seed",   "geometry", "cache_order"};
+    CHECK(keysOf(json["settings"]) == settings);
+    REQUIRE(json["devices"].size() == 2);
+    const Keys device = keysOf(json["devices"][0]);
+    CHECK(Keys(device.begin(), device.begin() + 5) ==
+          Keys{"route_api", "name", "driver", "software", "timestamp_period_ns"});
+    for (const Json& row : json["cases"]) {
+        const Keys wanted = {"id",       "route",    "variant",  "codec",        "builder", "layout", "cull",
+                             "scenario", "raster",   "options",  "status",       "reason",  "gpu_ms", "passes_ms",
+                             "host_ms",  "limit_ms", "meshlets", "memory_bytes", "accuracy"};
+        CHECK(keysOf(row) == wanted);
+        for (const auto& [option, value] : row["options"].items()) CHECK(value.is_string());
+    }
+    const Json& row = json["cases"][0];
+    CHECK(keysOf(row["gpu_ms"]) == Keys{"mean", "median", "min", "max", "cv", "samples"});
+    CHECK(keysOf(row["passes_ms"]) == Keys{"skin", "depth", "draw"});
+    CHECK(keysOf(row["host_ms"]) == Keys{"record", "submit"});
+    CHECK(keysOf(row["memory_bytes"]) ==
+          Keys{"vertex", "index", "meshlet", "additional_meshlet", "tuple", "palette", "skinned", "total"});
+    CHECK(keysOf(row["accuracy"]) ==
+          Keys{"max_position_error", "max_normal_error", "tolerance", "image_difference", "image_reference"});
+}
+
+TEST_CASE("the values of the result file") {
+    const Json json = sample();
+    CHECK(json["settings"]["copies"] == 7);
+    CHECK(json["settings"]["pose"] == "frozen");
+    CHECK(json["settings"]["geometry"] == "welded");
+    CHECK(json["scene"]["mean_influences"] == 1.5);
+    CHECK(json["devices"][0]["route_api"] == "vulkan");
+    CHECK(json["devices"][0]["software"] == true);
+    CHECK(json["devices"][1]["route_api"] == "opengl");
+    CHECK(json["devices"][1]["mesh_ext"].is_null());
+    CHECK(json["devices"][1]["mesh_nv"]["max_vertices"] == 256);
+
+    const Json& mesh = json["cases"][0];
+    CHECK(mesh["id"] == "vk-ext/mesh/uc/scan/redirect");
+    CHECK(mesh["status"] == "ok");
+    CHECK(mesh["gpu_ms"]["mean"] == 4);
+    CHECK(mesh["gpu_ms"]["median"] == 3);
+    CHECK(mesh["gpu_ms"]["samples"] == Json{1, 2, 4, 9});
+    CHECK(mesh["passes_ms"]["draw"] == 3);
+    CHECK(mesh["host_ms"]["record"] == 0.5);
+    CHECK(mesh["meshlets"] == 12);
+    CHECK(mesh["memory_bytes"]["total"] == 1024);
+    CHECK(mesh["accuracy"]["max_position_error"] == 1.5e-7);
+    const Json options = {{"influences", "4"},        {"submission", "per-copy"},   {"back_faces", "culled"},
+                          {"meshlet_vertices", "64"}, {"meshlet_triangles", "124"}, {"group_size", "32"}};
+    CHECK(mesh["options"] == options);
+    CHECK(json["cases"][1]["passes_ms"]["skin"] == 0.2);
+    CHECK(json["cases"][1]["accuracy"]["image_difference"] == 0.25);
+    CHECK(json["cases"][2]["options"]["index_writes"] == "packed");
+    CHECK(json["cases"][3]["options"]["vertex_fetch"] == "attributes");
+}
+
+TEST_CASE("null stands where nothing applies") {
+    const Json json = sample();
+    for (const char* key : {"gpu_ms", "passes_ms", "host_ms", "limit_ms", "meshlets", "memory_bytes", "accuracy"})
+        CHECK(json["cases"][2][key].is_null());
+    CHECK(json["cases"][2]["reason"] == "Real GPU has no GL_NV_mesh_shader");
+    for (size_t ok : {0, 1, 4}) CHECK(json["cases"][ok]["reason"].is_null());
+    for (const char* key : {"builder", "layout", "meshlets"}) CHECK(json["cases"][1][key].is_null());
+    CHECK(json["cases"][0]["passes_ms"]["skin"].is_null());
+    CHECK(json["cases"][0]["passes_ms"]["depth"].is_null());
+    // Infinite errors, and no image on a route that draws none.
+    CHECK(json["cases"][3]["accuracy"]["max_position_error"].is_null());
+    CHECK(json["cases"][3]["accuracy"]["max_normal_error"] == 0.5);
+    CHECK(json["cases"][4]["accuracy"]["image_difference"].is_null());
+    CHECK(json["cases"][4]["gpu_ms"].is_null());
+    CHECK(json.dump().find("Infinity") == std::string::npos);
+}
+
+TEST_CASE("a case that failed is published without a time") {
+    std::vector<CaseResult> results = makeResults();
+    results[0].status = CaseStatus::failed;
+    results[0].reason = "wrong";
+    const Json row = resultsJson(makeContext(), results)["cases"][0];
+    CHECK(row["gpu_ms"].is_null());
+    CHECK(row["passes_ms"].is_null());
+    CHECK(row["host_ms"].is_null());
+}
+
+TEST_CASE("CSV: a line a case, quoted as RFC 4180 says") {
+    const auto rows = parseCsv(resultsCsv(sample()));
+    REQUIRE(rows.size() == 6);
+    const auto& head = rows[0];
+    for (const auto& row : rows) CHECK(row.size() == head.size());
+    auto at = [&](size_t row, const std::string& column) {
+        auto place = std::ranges::find(head, column);
+        REQUIRE(place != head.end());
+        return rows[row][static_cast<size_t>(place - head.begin())];
+    };
+    CHECK(head[0] == "scene");
+    CHECK(at(1, "scene") == "hero, \"the\" <b>&amp;");
+    CHECK(at(1, "id") == "vk-ext/mesh/uc/scan/redirect");
+    CHECK(at(1, "gpu_ms_median") == "3.0");
+    CHECK(at(1, "memory_bytes_total") == "1024");
+    CHECK(at(1, "reason") == "");
+    CHECK(at(2, "builder") == "");
+    CHECK(at(2, "passes_ms_skin") == "0.2");
+    CHECK(at(3, "gpu_ms_mean") == "");
+    CHECK(at(4, "reason") == "off by \"1\", <far>\nand more");
+    CHECK(at(4, "accuracy_max_position_error") == "");
+}
+
+TEST_CASE("the table marks the times of software drivers, and only those") {
+    const std::string table = resultsTable(sample());
+    std::istringstream stream(table);
+    std::vector<std::string> lines;
+    for (std::string line; std::getline(stream, line);) lines.push_back(line);
+    auto lineOf = [&](const std::string& id) {
+        auto line = std::ranges::find_if(lines, [&](const std::string& l) { return l.starts_with(id + " "); });
+        REQUIRE(line != lines.end());
+        return *line;
+    };
+    CHECK_THAT(lineOf("vk-ext/mesh/uc/scan/redirect"), ContainsSubstring("3.000*"));
+    CHECK_THAT(lineOf("gl/compute/uc"), ContainsSubstring("0.500 "));
+    CHECK(lineOf("gl/compute/uc").find('*') == std::string::npos);
+    CHECK(lineOf("cpu/cpu/uc").find('*') == std::string::npos);
+    CHECK_THAT(lineOf("gl-nv/mesh/uc/scan/redirect"), ContainsSubstring("skipped: Real GPU has no"));
+    CHECK_THAT(lineOf("vk/vertex/uc"), ContainsSubstring("failed: off by"));
+    CHECK_THAT(table, ContainsSubstring("* software driver"));
+
+    RunContext hardware = makeContext();
+    hardware.devices[0].software = false;
+    CHECK(resultsTable(resultsJson(hardware, makeResults())).find('*') == std::string::npos);
+}
+
+TEST_CASE("a result file is read back as it was written") {
+    const Json json = sample();
+    const std::string path = fixture::writeText("results.json", json.dump(1));
+    const auto loaded = loadResults(path);
+    REQUIRE(loaded);
+    CHECK(*loaded == json);
+    CHECK(resultsCsv(*loaded) == resultsCsv(json));
+}
+
+TEST_CASE("what is no result file is told with its path") {
+    auto refused = [](const std::string& path, const char* why) {
+        const auto loaded = loadResults(path);
+        INFO(why);
+        REQUIRE(!loaded);
+        CHECK(loaded.error().fault == Fault::input);
+        CHECK(loaded.error().text.starts_with(path + ": "));
+        CHECK_THAT(loaded.error().text, ContainsSubstring(why));
+    };
+    refused((fixture::temporaryFolder() / "nothing.json").string(), "No such file");
+    refused(fixture::temporaryFolder().string(), "is a folder");
+    refused(fixture::writeText("empty.json", ""), "is not JSON");
+    refused(fixture::writeText("broken.json", sample().dump().substr(0, 300)), "is not JSON");
+    refused(fixture::writeText("array.json", "[1, 2]"), "schema is not skinbench-results/1");
+    refused(fixture::writeText("number.json", "7"), "schema is not");
+    refused(fixture::writeText("schema.json", "{\"schema\": \"skinbench-results/2\"}"), "schema is not");
+    refused(fixture::writeText("number_schema.json", "{\"schema\": 1}"), "schema is not");
+    for (const char* key : {"tool", "host", "devices", "scene", "settings", "cases"}) {
+        Json json = sample();
+        json.erase(key);
+        refused(fixture::writeText("part.json", json.dump()), "is not a whole result file");
+        json[key] = 5;
+        refused(fixture::writeText("kind.json", json.dump()), "is not a whole result file");
+    }
+    for (const char* key :
+         {"id", "route", "variant", "status", "reason", "raster", "gpu_ms", "passes_ms", "memory_bytes", "accuracy"}) {
+        Json json = sample();
+        json["cases"][1].erase(key);
+        refused(fixture::writeText("case.json", json.dump()), key);
+    }
+    Json json = sample();
+    json["cases"][1] = "text";
+    refused(fixture::writeText("text_case.json", json.dump()), "an entry of 'cases' lacks");
+    json = sample();
+    json["devices"][0] = 5;
+    refused(fixture::writeText("device.json", json.dump()), "an entry of 'devices' lacks");
+    for (const auto& [group, key] : {std::pair{"scene", "mean_influences"}, {"settings", "copies"}, {"host", "cpu"}}) {
+        json = sample();
+        json[group].erase(key);
+        refused(fixture::writeText("group.json", json.dump()), key);
+    }
+    for (const auto& [group, key] : {std::pair{"gpu_ms", "median"}, {"accuracy", "max_position_error"}}) {
+        json = sample();
+        json["cases"][0][group].erase(key);
+        refused(fixture::writeText("figure.json", json.dump()), key);
+        json["cases"][0][group] = 5;
+        refused(fixture::writeText("figure.json", json.dump()), group);
+    }
+}
+
+TEST_CASE("the page holds every case, escapes names and refers to nothing outside") {
+    Json second = sample();
+    second["scene"]["name"] = "second";
+    const std::string page = reportHtml({sample(), second});
+    for (const Json& row : second["cases"]) CHECK_THAT(page, ContainsSubstring(row["id"].get<std::string>()));
+    CHECK_THAT(page, ContainsSubstring("hero, &quot;the&quot; &lt;b&gt;&amp;amp;"));
+    CHECK_THAT(page, ContainsSubstring("<h2>second</h2>"));
+    CHECK_THAT(page, ContainsSubstring("Lava &lt;pipe&gt; &amp; co"));
+    CHECK_THAT(page, ContainsSubstring("off by &quot;1&quot;, &lt;far&gt;"));
+    CHECK_THAT(page, ContainsSubstring("software driver"));
+    for (const char* outside : {"http://", "https://", "<b>&", "<pipe>", "<far>", "src=", "href=", "url(", "@import",
+                                "<script", "<link", "<img"})
+        CHECK(page.find(outside) == std::string::npos);
+    CHECK(page.starts_with("<!doctype html>"));
+    CHECK(page.ends_with("</html>\n"));
+    // A chart of the two timed cases in each of two files; raster modes that nobody asked for have none.
+    auto count = [&](const std::string& text) {
+        size_t found = 0;
+        for (size_t at = page.find(text); at != std::string::npos; at = page.find(text, at + 1)) ++found;
+        return found;
+    };
+    CHECK(count("class=chart>") == 2);
+    CHECK(count("class=\"bar software\"") == 2);
+    CHECK(count("class=\"bar\"") == 2);
+    CHECK(count("<tr><td>") == 10);
+}

@@ -1,0 +1,193 @@
+// Every variant on every route that this machine's drivers offer: captured vertices against the CPU reference, images
+// across routes, under validation with no message allowed. Every model of the shared folder where it is there.
+#include <catch2/catch_test_macros.hpp>
+
+#include <filesystem>
+#include <iostream>
+
+#include "common/bench.h"
+#include "common/image.h"
+#include "tests/cases.h"
+
+using namespace skinbench;
+
+namespace {
+
+// Both backends under validation, opened once: a driver's start costs more than a verification.
+struct Opened {
+    std::vector<std::unique_ptr<Backend>> owned;
+    Backends byApi;
+};
+
+const Backends& openedBackends() {
+    static const Opened opened = [] {
+        Opened all;
+        const BackendOptions options{.device = {}, .validation = true};
+        auto keep = [&](Api api, Result<std::unique_ptr<Backend>> backend) {
+            if (!backend) {
+                all.byApi[api].missing = backend.error().text;
+                std::cerr << "no driver: " << backend.error().text << "\n";
+                return;
+            }
+            all.byApi[api].backend = backend->get();
+            all.owned.push_back(std::move(*backend));
+        };
+        keep(Api::vulkan, openVulkan(options));
+        keep(Api::opengl, openGl(options));
+        return all;
+    }();
+    return opened.byApi;
+}
+
+bool anyDriver() {
+    for (const auto& [api, open] : openedBackends())
+        if (open.backend) return true;
+    return false;
+}
+
+// Verifies the cases and requires each to be right, or skipped because of the device.
+size_t requireVerified(Workload& workload, const std::vector<Case>& cases) {
+    BenchSettings settings;
+    settings.timed = false;
+    auto results = runBench(workload, cases, openedBackends(), settings, {});
+    REQUIRE(results);
+    size_t right = 0;
+    for (const CaseResult& result : *results) {
+        INFO(workload.stored.name << ": " << result.id << ": " << result.reason);
+        CHECK(result.status != CaseStatus::failed);
+        if (result.status == CaseStatus::skipped) {
+            const Backend* backend = openedBackends().at(result.which.route->api).backend;
+            const bool limits = result.reason.find("storage buffer") != std::string::npos;
+            CHECK((!backend || unsupported(result.which, backend->caps()) || limits));
+        }
+        right += result.status == CaseStatus::ok;
+    }
+    return right;
+}
+
+Workload modelWorkload(const std::string& name, uint32_t copies) {
+    auto scene = loadScene(name);
+    REQUIRE(scene);
+    WorkloadSettings settings;
+    settings.copies = copies;
+    settings.width = 480;
+    settings.height = 270;
+    auto workload = makeWorkload(std::move(*scene), testShaders(), settings);
+    REQUIRE(workload);
+    return std::move(*workload);
+}
+
+// One case of each variant on each route, default options.
+std::vector<Case> plainCases(int influences) {
+    std::vector<Case> cases;
+    for (const Case& which : everyCase()) {
+        const bool first = which.influences == influences && which.submission == Submission::perCopy &&
+                           which.view == View::shaded && which.packedWrites && which.fetch == VertexFetch::attributes &&
+                           (!which.builder || which.builder == findBuilder("meshopt"));
+        bool known = false;
+        for (const Case& other : cases) known = known || caseId(other) == caseId(which);
+        if (first && !known) cases.push_back(which);
+    }
+    return cases;
+}
+
+}  // namespace
+
+TEST_CASE("every case is right on every route, and the images agree") {
+    if (!anyDriver()) SKIP("no Vulkan and no OpenGL driver on this machine");
+    Workload workload = tinyWorkload(3);
+    std::vector<Case> cases;
+    for (const Case& which : everyCase())
+        if (which.view == View::shaded) cases.push_back(which);
+    CHECK(requireVerified(workload, cases) > 20);
+}
+
+TEST_CASE("the built-in characters are right on every route") {
+    if (!anyDriver()) SKIP("no Vulkan and no OpenGL driver on this machine");
+    for (const BuiltinScene& builtin : builtinScenes()) {
+        Workload workload = modelWorkload(std::string("builtin:") + builtin.name + ":3000", 2);
+        CHECK(requireVerified(workload, plainCases(4)) > 5);
+    }
+}
+
+TEST_CASE("every shared model is right on every route") {
+    if (!anyDriver()) SKIP("no Vulkan and no OpenGL driver on this machine");
+    if (modelFiles().empty()) SKIP("no model folder: set SKINBENCH_MODELS to run this test");
+    size_t loaded = 0;
+    for (const std::string& file : modelFiles()) {
+        if (!loadScene(file)) continue;  // which files must load is tested in test_scene_gltf.cpp
+        ++loaded;
+        INFO(file);
+        Workload workload = modelWorkload(file, 2);
+        const bool eight = sceneStats(**sceneFor(workload, 8)).maxInfluences > 4;
+        std::vector<Case> cases = plainCases(4);
+        if (eight)
+            for (const Case& which : plainCases(8)) cases.push_back(which);
+        CHECK(requireVerified(workload, cases) > 5);
+    }
+    CHECK(loaded > 30);
+}
+
+TEST_CASE("the first copy stands at the top left, seen from its front, on both APIs") {
+    // Five copies fill a grid of more than one row whose last row is not full; what is covered must say so.
+    if (!anyDriver()) SKIP("no Vulkan and no OpenGL driver on this machine");
+    Workload workload = tinyWorkload(5);
+    for (const auto& [api, open] : openedBackends()) {
+        if (!open.backend) continue;
+        Case which;
+        which.route = findRoute(api == Api::vulkan ? "vk" : "gl");
+        which.variant = findVariant("vertex");
+        which.codec = findCodec("uc");
+        auto image = renderImage(workload, which, *open.backend);
+        REQUIRE(image);
+        auto covered = [&](uint32_t x0, uint32_t y0) {
+            size_t pixels = 0;
+            for (uint32_t y = y0; y < y0 + image->height / 2; ++y)
+                for (uint32_t x = x0; x < x0 + image->width / 2; ++x)
+                    pixels += image->rgba[(size_t{y} * image->width + x) * 4] != image->rgba[0];
+            return pixels;
+        };
+        INFO(which.route->name);
+        const size_t all = covered(0, 0) + covered(image->width / 2, 0) + covered(0, image->height / 2) +
+                           covered(image->width / 2, image->height / 2);
+        CHECK(all > 100);
+        // Back faces are culled: the character must still be there when they are not, with the same outline.
+        Case kept = which;
+        kept.keepBackFaces = true;
+        auto both = renderImage(workload, kept, *open.backend);
+        REQUIRE(both);
+        CHECK(compareImages(*image, *both, 2).fraction < 0.02);
+    }
+}
+
+TEST_CASE("a wrong palette, a wrong tolerance and a foreign image are found") {
+    // The verification itself must be able to fail.
+    if (!anyDriver()) SKIP("no Vulkan and no OpenGL driver on this machine");
+    Workload workload = tinyWorkload(2);
+    BenchSettings settings;
+    settings.timed = false;
+    settings.tolerance = 1e-12;
+    auto results = runBench(workload, plainCases(4), openedBackends(), settings, {});
+    REQUIRE(results);
+    for (const CaseResult& result : *results)
+        if (result.status != CaseStatus::skipped && result.which.variant->skins) {
+            CHECK(result.status == CaseStatus::failed);
+            CHECK(result.reason.find("positions are off by") == 0);
+        }
+
+    // A shader that forgets one influence.
+    Workload broken = tinyWorkload(2);
+    std::string& skin = broken.shaders.files["skin.glsl"];
+    const std::string line = "    addInfluence(blend, rows.w, weights.w);\n";
+    REQUIRE(skin.find(line) != std::string::npos);
+    skin.erase(skin.find(line), line.size());
+    settings.tolerance = 2e-6;
+    results = runBench(broken, plainCases(4), openedBackends(), settings, {});
+    REQUIRE(results);
+    for (const CaseResult& result : *results)
+        if (result.status != CaseStatus::skipped && result.which.variant->skins &&
+            result.which.variant != findVariant("cpu")) {
+            INFO(result.id);
+            CHECK(result.status == CaseStatus::failed);
+        }
+}
