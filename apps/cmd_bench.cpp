@@ -70,12 +70,18 @@ Result<void> resolveAuto(Selectors& selectors) {
     return {};
 }
 
+// One line on standard error for what went wrong; the table has the rest.
 int statusOf(const std::vector<CaseResult>& results) {
-    size_t done = 0;
+    size_t done = 0, failed = 0;
+    const CaseResult* firstFailed = nullptr;
     for (const CaseResult& result : results) {
-        if (result.status == CaseStatus::failed) return kExitFailed;
         done += result.status == CaseStatus::ok;
+        failed += result.status == CaseStatus::failed;
+        if (!firstFailed && result.status == CaseStatus::failed) firstFailed = &result;
     }
+    if (firstFailed)
+        return reportError({Fault::device, std::format("{} of {} cases failed; the first, {}: {}", failed, results.size(),
+                                                       firstFailed->id, firstFailed->reason)});
     if (done || stopRequested) return kExitDone;
     return reportError(
         {Fault::device, "no case could run; the first, " + results.front().id + ": " + results.front().reason});

@@ -274,14 +274,28 @@ layout(location = 0) out vec4 color[];
 #define LANES 1
 layout(location = 0) PER_PRIMITIVE out vec4 color[];
 #endif
+#ifdef SPARE
+layout(location = 1) out vec4 spare[];
+#endif
 const vec2 corners[6] = vec2[](vec2(-1, -1), vec2(-1, 1), vec2(1, -1), vec2(1, 1), vec2(1, -1), vec2(-1, 1));
 void main() {
     uint lane = gl_LocalInvocationIndex, g = GROUP;
     BEGIN;
     if (lane < 3) VERTICES[lane].gl_Position = vec4(corners[g * 3 + lane], 0.5, 1.0);
     if (lane < LANES) color[lane] = unpackUnorm4x8(colors[g]);
+#ifdef SPARE
+    if (lane < LANES) spare[lane] = color[lane] * vec4(2, 3, 4, 5) + 1.0;
+#endif
     END;
 }
+)";
+
+// Reads all of `spare`, which is never negative.
+inline const char* kSpareFragment = R"(#version 450
+layout(location = 0) in vec4 color;
+layout(location = 1) in vec4 spare;
+layout(location = 0) out vec4 pixel;
+void main() { pixel = dot(spare, vec4(1.0)) < 0.0 ? spare : color; }
 )";
 
 // `text` with `defines` behind its version line.
@@ -327,8 +341,10 @@ void main() {
 }
 )";
 
+enum class MeshColor { perPrimitive, perVertex, perVertexAndSpare };
+
 // Group 0 draws the top left half red, group 1 the bottom right half green.
-inline FramePlan meshPlan(MeshDialect dialect, bool withTask, bool colorPerVertex) {
+inline FramePlan meshPlan(MeshDialect dialect, bool withTask, MeshColor color) {
     bool nv = dialect == MeshDialect::nv;
     FramePlan plan;
     plan.label = "mesh";
@@ -337,14 +353,16 @@ inline FramePlan meshPlan(MeshDialect dialect, bool withTask, bool colorPerVerte
     plan.height = kHeight;
     plan.streams = {makeStream(SLOT_MESHLET, useStorage, std::vector<uint32_t>{kRedWord, kGreenWord})};
     std::string defines = withTask ? "#define AFTER_TASK\n" : "";
-    if (colorPerVertex) defines += "#define COLOR_PER_VERTEX\n";
+    if (color != MeshColor::perPrimitive) defines += "#define COLOR_PER_VERTEX\n";
+    if (color == MeshColor::perVertexAndSpare) defines += "#define SPARE\n";
     Program program;
     program.label = "mesh";
     if (withTask) program.stages.push_back({Stage::task, "group.task", nv ? kTaskNv : kTaskExt});
     program.stages.push_back(
         {Stage::mesh, "two.mesh", withDefines(std::string(nv ? kMeshNv : kMeshExt) + kMeshBody, defines)});
     const char* primitive = nv ? kPrimitiveFragmentNv : kPrimitiveFragmentExt;
-    program.stages.push_back({Stage::fragment, "plain.frag", colorPerVertex ? kFragment : primitive});
+    const char* vertex = color == MeshColor::perVertex ? kFragment : kSpareFragment;
+    program.stages.push_back({Stage::fragment, "plain.frag", color == MeshColor::perPrimitive ? primitive : vertex});
     plan.programs = {program};
     Pass pass;
     pass.label = "draw";

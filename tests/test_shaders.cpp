@@ -32,6 +32,33 @@ TEST_CASE("every case's shaders compile in their dialect") {
     CHECK(texts > 100);
 }
 
+TEST_CASE("a device that loses the last mesh output gets a spare one, and no other device does") {
+    Workload workload = tinyWorkload(2);
+    size_t changed = 0;
+    for (const Case& which : everyCase()) {
+        auto input = planInput(workload, which);
+        REQUIRE(input);
+        DeviceCaps caps = generousCaps(which.route->api);
+        auto healthy = makePlan(which, *input, caps);
+        caps.lastMeshOutputLost = true;
+        auto faulty = makePlan(which, *input, caps);
+        INFO(caseId(which));
+        REQUIRE(healthy);
+        REQUIRE(faulty);
+        const bool differs = which.route->api == Api::opengl && which.route->dialect == MeshDialect::ext;
+        for (size_t p = 0; p < faulty->programs.size(); ++p)
+            for (size_t s = 0; s < faulty->programs[p].stages.size(); ++s) {
+                const ShaderText& shader = faulty->programs[p].stages[s];
+                INFO(shader.name);
+                CHECK((shader.text != healthy->programs[p].stages[s].text) == differs);
+                if (!differs) continue;
+                CHECK(glslangErrors(shader, which.route->api) == "");
+                ++changed;
+            }
+    }
+    CHECK(changed > 20);
+}
+
 TEST_CASE("a timed plan holds no capture code") {
     Workload workload = tinyWorkload(1);
     for (const Case& which : everyCase()) {
