@@ -18,7 +18,9 @@ namespace {
 constexpr uint32_t kBatch = 16;
 
 constexpr double kSettled = 0.005;          // relative difference of two warm-up runs
-constexpr double kShortestWarmup = 300;     // milliseconds; an idle GPU holds its low clocks for a while, steadily
+// Milliseconds. An idle GPU holds its low clocks for a while, steadily, and longest after a case was prepared.
+constexpr double kShortestWarmup = 300;
+constexpr double kShortestFirstWarmup = 1000;
 constexpr double kLongestWarmup = 3000;
 
 double milliseconds(std::chrono::steady_clock::time_point since) {
@@ -142,7 +144,7 @@ Result<void> drawFrames(CaseResult& result, Prepared& ready, std::span<const Fra
 // Draws the first frames again and again until two runs in a row agree, because a GPU that has waited for the host
 // needs a while to raise its clocks. Software drivers and host skinning never settle so well and get one run.
 Result<void> warmUp(const BenchSettings& settings, const CaseResult& like, Prepared& ready,
-                    std::span<const FrameData> frames) {
+                    std::span<const FrameData> frames, double shortest) {
     const auto some = frames.first(std::min<size_t>(settings.warmup, frames.size()));
     if (some.empty()) return {};
     const bool settles = ready.plan && !ready.host && !ready.backend->caps().software;
@@ -154,7 +156,7 @@ Result<void> warmUp(const BenchSettings& settings, const CaseResult& like, Prepa
         if (auto drawn = drawFrames(scratch, ready, some); !drawn) return drawn;
         const double now = summarise(scratch.total).mean;
         const double passed = milliseconds(start);
-        const bool settled = std::abs(now - last) <= kSettled * last && passed >= kShortestWarmup;
+        const bool settled = std::abs(now - last) <= kSettled * last && passed >= shortest;
         if (!settles || settled || passed > kLongestWarmup) return {};
         last = now;
     }
@@ -322,7 +324,8 @@ struct Resident {
 void timeCase(Runner& runner, size_t number, uint32_t round, Resident& resident) {
     CaseResult& result = runner.results[number];
     auto place = resident.plans.find(number);
-    if (place == resident.plans.end()) {
+    const bool fresh = place == resident.plans.end();
+    if (fresh) {
         auto ready = prepareCase(runner, result, false);
         if (!ready) return fail(result, CaseStatus::failed, ready.error().text);
         place = resident.plans.emplace(number, std::move(*ready)).first;
@@ -331,9 +334,15 @@ void timeCase(Runner& runner, size_t number, uint32_t round, Resident& resident)
     Prepared& ready = place->second;
     const BenchSettings& settings = runner.settings;
     const uint32_t from = settings.frames * round / settings.rounds, to = settings.frames * (round + 1) / settings.rounds;
-    auto frames = frameRange(runner, result.which, from, to - from);
-    auto drawn = frames ? warmUp(settings, result, ready, *frames) : std::unexpected(frames.error());
-    if (drawn) drawn = drawFrames(result, ready, *frames);
+    // Frames are posed a batch at a time: a hundred thousand of them would not fit in memory.
+    Result<void> drawn;
+    for (uint32_t first = from; first < to && drawn; first += kBatch) {
+        auto frames = frameRange(runner, result.which, first, std::min(kBatch, to - first));
+        if (!frames) drawn = std::unexpected(frames.error());
+        const double shortest = fresh ? kShortestFirstWarmup : kShortestWarmup;
+        if (drawn && first == from) drawn = warmUp(settings, result, ready, *frames, shortest);
+        if (drawn) drawn = drawFrames(result, ready, *frames);
+    }
     if (!drawn) fail(result, CaseStatus::failed, drawn.error().text);
     failOnMessages(result, ready.backend);
     if (resident.bytes[ready.backend] > residentBudget(ready.backend) || result.status == CaseStatus::failed) {
