@@ -80,8 +80,8 @@ int statusOf(const std::vector<CaseResult>& results) {
         if (!firstFailed && result.status == CaseStatus::failed) firstFailed = &result;
     }
     if (firstFailed)
-        return reportError({Fault::device, std::format("{} of {} cases failed; the first, {}: {}", failed, results.size(),
-                                                       firstFailed->id, firstFailed->reason)});
+        return reportError({Fault::device, std::format("{} of {} cases failed; the first, {}: {}", failed,
+                                                       results.size(), firstFailed->id, firstFailed->reason)});
     if (done || stopRequested) return kExitDone;
     return reportError(
         {Fault::device, "no case could run; the first, " + results.front().id + ": " + results.front().reason});
@@ -132,8 +132,7 @@ int runCases(const RunOptions& options) {
         if (auto written = writeWholeFile(options.out + "/report.html", reportHtml({json})); !written)
             return reportError(written.error());
     std::cout << (options.json ? json.dump(1) + "\n" : resultsTable(json));
-    if (!options.out.empty())
-        std::cerr << "skinbench: " << options.out << "/results.json, results.csv, report.html\n";
+    if (!options.out.empty()) std::cerr << "skinbench: " << options.out << "/results.json, results.csv, report.html\n";
     if (stopRequested) std::cerr << "skinbench: interrupted; what was measured until then is kept\n";
     return statusOf(*results);
 }

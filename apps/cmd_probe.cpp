@@ -65,10 +65,10 @@ void printLimits(const char* name, const MeshLimitsOfDevice& limits) {
 void printDevice(const DeviceCaps& caps) {
     std::cout << std::format("{}: {}{}\n    {}, {}\n", apiName(caps.api), caps.name,
                              caps.software ? " (software driver)" : "", caps.version, caps.driver);
-    std::cout << std::format("    timestamps: {} bits of {:g} ns; subgroup: {}; storage buffer: {} MiB; memory: {} MiB\n",
-                             caps.timestampBits, caps.timestampPeriodNs,
-                             caps.subgroupSize ? std::to_string(caps.subgroupSize) : "unknown",
-                             caps.maxStorageBytes >> 20, caps.deviceBytes >> 20);
+    std::cout << std::format(
+        "    timestamps: {} bits of {:g} ns; subgroup: {}; storage buffer: {} MiB; memory: {} MiB\n",
+        caps.timestampBits, caps.timestampPeriodNs, caps.subgroupSize ? std::to_string(caps.subgroupSize) : "unknown",
+        caps.maxStorageBytes >> 20, caps.deviceBytes >> 20);
     const char* prefix = caps.api == Api::vulkan ? "VK" : "GL";
     printLimits(std::format("{}_EXT_mesh_shader", prefix).c_str(), caps.ext);
     printLimits(std::format("{}_NV_mesh_shader", prefix).c_str(), caps.nv);
@@ -92,13 +92,14 @@ int runProbe(const ProbeOptions& options) {
             device["extensions"] = caps.extensions;
             devices.push_back(device);
         }
-        std::cout << Json{{"schema", "skinbench-probe/1"},
-                          {"devices", devices},
-                          {"missing", found->missing},
-                          {"auto",
-                           {{"route", choice.route->name}, {"variant", choice.variant->name}, {"reason", choice.reason}}}}
-                         .dump(1)
-                  << "\n";
+        std::cout
+            << Json{{"schema", "skinbench-probe/1"},
+                    {"devices", devices},
+                    {"missing", found->missing},
+                    {"auto",
+                     {{"route", choice.route->name}, {"variant", choice.variant->name}, {"reason", choice.reason}}}}
+                   .dump(1)
+            << "\n";
         return kExitDone;
     }
     for (const DeviceCaps& caps : found->devices) printDevice(caps);

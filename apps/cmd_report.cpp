@@ -16,7 +16,8 @@ int runReport(const std::vector<std::string>& files, const std::string& out) {
     try {
         page = reportHtml(results);
     } catch (const nlohmann::json::exception& error) {
-        return reportError({Fault::input, "a result file holds a value of the wrong kind: " + std::string(error.what())});
+        return reportError(
+            {Fault::input, "a result file holds a value of the wrong kind: " + std::string(error.what())});
     }
     auto written = writeWholeFile(out, page);
     return written ? kExitDone : reportError(written.error());

@@ -22,9 +22,8 @@ int runSceneList(bool json) {
 }
 
 int runSceneExport(const std::string& name, const std::string& out) {
-    auto scene = loadScene(name.find(':') == std::string::npos && name.find('.') == std::string::npos
-                               ? "builtin:" + name
-                               : name);
+    auto scene = loadScene(
+        name.find(':') == std::string::npos && name.find('.') == std::string::npos ? "builtin:" + name : name);
     if (!scene) return reportError(scene.error());
     auto saved = saveGlb(*scene, out);
     return saved ? kExitDone : reportError(saved.error());

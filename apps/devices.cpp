@@ -8,9 +8,12 @@ std::vector<Api> graphicsApis() { return {Api::vulkan, Api::opengl}; }
 
 const char* apiName(Api api) {
     switch (api) {
-        case Api::vulkan: return "Vulkan";
-        case Api::opengl: return "OpenGL";
-        case Api::cpu: return "CPU";
+        case Api::vulkan:
+            return "Vulkan";
+        case Api::opengl:
+            return "OpenGL";
+        case Api::cpu:
+            return "CPU";
     }
     return "?";
 }
@@ -68,8 +71,9 @@ Choice chooseRoute(const std::vector<DeviceCaps>& devices) {
             which.variant = findVariant(wish.variant);
             for (const DeviceCaps& caps : devices)
                 if (caps.api == which.route->api && caps.software == software && !unsupported(which, caps))
-                    return {which.route, which.variant,
-                            caps.name + ": " + wish.reason + (software ? " (a software driver; no GPU was found)" : "")};
+                    return {
+                        which.route, which.variant,
+                        caps.name + ": " + wish.reason + (software ? " (a software driver; no GPU was found)" : "")};
         }
     return {findRoute("cpu"), findVariant("cpu"), "neither Vulkan nor OpenGL has a device here, so the CPU skins"};
 }

@@ -20,7 +20,12 @@ const std::vector<Preset>& presets() {
     static const std::vector<Preset> rows = {
         {"quick", "4 copies, 6 frames: does it work", 4, 6, 1, 2, {"full"}},
         {"gpu", "100 copies, 60 frames", 100, 60, 5, 3, {"full"}},
-        {"geometry", "200 copies, 60 frames, no fragments and rasteriser discard: what skinning costs", 200, 60, 5, 3,
+        {"geometry",
+         "200 copies, 60 frames, no fragments and rasteriser discard: what skinning costs",
+         200,
+         60,
+         5,
+         3,
          {"no-fragments", "discard"}},
     };
     return rows;
@@ -48,8 +53,7 @@ Result<std::vector<const Row*>> chosenRows(const std::vector<Row>& rows, const s
         for (const Row& row : rows) chosen.push_back(&row);
     for (const std::string& word : words) {
         auto row = std::ranges::find_if(rows, [&](const Row& candidate) { return word == candidate.name; });
-        if (row == rows.end())
-            return inputError(std::format("no {} '{}'; there is {}", kind, word, tableNames(rows)));
+        if (row == rows.end()) return inputError(std::format("no {} '{}'; there is {}", kind, word, tableNames(rows)));
         if (std::ranges::find(chosen, &*row) == chosen.end()) chosen.push_back(&*row);
     }
     return chosen;
@@ -228,14 +232,13 @@ Result<std::vector<Case>> crossCases(const Selectors& selectors) {
             }
         }
     if (cases.empty())
-        return inputError("none of these variants exists on these routes: vertex, compute and cpu run on vk and gl, "
-                          "mesh on vk-ext, vk-nv, gl-ext and gl-nv");
+        return inputError(
+            "none of these variants exists on these routes: vertex, compute and cpu run on vk and gl, "
+            "mesh on vk-ext, vk-nv, gl-ext and gl-nv");
     return cases;
 }
 
-Result<std::pair<uint32_t, uint32_t>> parseSize(const std::string& text) {
-    return parsePair(text, 'x', "size", 16384);
-}
+Result<std::pair<uint32_t, uint32_t>> parseSize(const std::string& text) { return parsePair(text, 'x', "size", 16384); }
 
 Result<WorkloadSettings> workloadSettings(const Selectors& s, bool anyHardware) {
     WorkloadSettings settings;

@@ -61,7 +61,9 @@ void addSelectors(CLI::App& command, Selectors& s) {
         ->check(CLI::Range(1u, 1'000'000u));
     command.add_option("--frames", s.frames, "timed frames of a case (default: by device)")
         ->check(CLI::Range(1u, 100'000u));
-    command.add_option("--warmup", s.warmup, "untimed frames in every round, repeated until times settle (default: by device)")
+    command
+        .add_option("--warmup", s.warmup,
+                    "untimed frames in every round, repeated until times settle (default: by device)")
         ->check(CLI::Range(0u, 10'000u))
         ->each([&s](const std::string&) { s.warmupGiven = true; });
     command.add_option("--rounds", s.rounds, "rounds that share the frames (default: by device)")

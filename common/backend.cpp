@@ -7,11 +7,16 @@ namespace skinbench {
 
 const char* stageName(Stage stage) {
     switch (stage) {
-        case Stage::vertex: return "vertex";
-        case Stage::fragment: return "fragment";
-        case Stage::compute: return "compute";
-        case Stage::task: return "task";
-        case Stage::mesh: return "mesh";
+        case Stage::vertex:
+            return "vertex";
+        case Stage::fragment:
+            return "fragment";
+        case Stage::compute:
+            return "compute";
+        case Stage::task:
+            return "task";
+        case Stage::mesh:
+            return "mesh";
     }
     return "?";
 }

@@ -38,35 +38,35 @@ struct MeshLimitsOfDevice {
     bool available = false;
     uint32_t maxVertices = 0;
     uint32_t maxTriangles = 0;
-    uint32_t maxGroupSize = 0;         // invocations of one mesh work group
-    uint32_t maxGroupCount = 0;        // groups of one draw (x)
-    uint32_t maxOutputBytes = 0;       // all outputs of one work group
+    uint32_t maxGroupSize = 0;    // invocations of one mesh work group
+    uint32_t maxGroupCount = 0;   // groups of one draw (x)
+    uint32_t maxOutputBytes = 0;  // all outputs of one work group
     uint32_t maxSharedBytes = 0;
-    uint32_t preferredGroupSize = 0;   // 0: the driver does not say
+    uint32_t preferredGroupSize = 0;  // 0: the driver does not say
 };
 
 // Facts only; what follows from them is decided in variant.cpp.
 struct DeviceCaps {
     Api api = Api::vulkan;
-    std::string name;      // "NVIDIA H200"
-    std::string driver;    // name and version of the driver
-    std::string version;   // of the API on this device: "Vulkan 1.4.305", "OpenGL 4.6"
-    bool software = false; // a CPU pretends to be the device: times say nothing about a GPU
+    std::string name;       // "NVIDIA H200"
+    std::string driver;     // name and version of the driver
+    std::string version;    // of the API on this device: "Vulkan 1.4.305", "OpenGL 4.6"
+    bool software = false;  // a CPU pretends to be the device: times say nothing about a GPU
     double timestampPeriodNs = 0;
     uint32_t timestampBits = 0;  // 0: passes cannot be timed
     MeshLimitsOfDevice ext;      // VK_EXT_mesh_shader, GL_EXT_mesh_shader
     MeshLimitsOfDevice nv;       // VK_NV_mesh_shader, GL_NV_mesh_shader
     uint32_t subgroupSize = 0;   // 0: unknown
     uint32_t maxComputeGroupSize = 0;
-    uint32_t maxComputeGroupCount = 0;   // x
-    uint64_t maxStorageBytes = 0;        // of one storage buffer binding
-    uint64_t maxUniformBytes = 0;        // of one uniform buffer binding
-    uint32_t storageBlocksVertex = 0;    // storage blocks a vertex stage may have
-    uint64_t deviceBytes = 0;            // memory of the device's largest heap; 0: the driver does not say
+    uint32_t maxComputeGroupCount = 0;  // x
+    uint64_t maxStorageBytes = 0;       // of one storage buffer binding
+    uint64_t maxUniformBytes = 0;       // of one uniform buffer binding
+    uint32_t storageBlocksVertex = 0;   // storage blocks a vertex stage may have
+    uint64_t deviceBytes = 0;           // memory of the device's largest heap; 0: the driver does not say
     bool pipelineStatistics = false;
-    bool lastMeshOutputLost = false;     // a driver fault, found by a test draw: the last location that mesh stages write
-                                         // never reaches the fragment stage
-    std::vector<std::string> extensions; // sorted
+    bool lastMeshOutputLost = false;  // a driver fault, found by a test draw: the last location that mesh stages write
+                                      // never reaches the fragment stage
+    std::vector<std::string> extensions;  // sorted
 };
 
 inline const MeshLimitsOfDevice& meshLimits(const DeviceCaps& caps, MeshDialect dialect) {
@@ -102,10 +102,10 @@ struct Program {
 };
 
 enum StreamUse : uint32_t {
-    useStorage = 1,    // a storage block
-    useUniform = 2,    // a uniform block
-    useAttributes = 4, // feeds vertex attributes
-    useIndices = 8,    // feeds indexed draws, 32 bits an index
+    useStorage = 1,     // a storage block
+    useUniform = 2,     // a uniform block
+    useAttributes = 4,  // feeds vertex attributes
+    useIndices = 8,     // feeds indexed draws, 32 bits an index
 };
 
 // One buffer. Its size is bytes->size() * replicas, each replica a copy of its own in device memory, or `gpuBytes`

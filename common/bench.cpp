@@ -17,7 +17,7 @@ namespace {
 // Frames that are recorded and submitted together; bounds the memory that their palettes take.
 constexpr uint32_t kBatch = 16;
 
-constexpr double kSettled = 0.005;          // relative difference of two warm-up runs
+constexpr double kSettled = 0.005;  // relative difference of two warm-up runs
 // Milliseconds. An idle GPU holds its low clocks for a while, steadily, and longest after a case was prepared.
 constexpr double kShortestWarmup = 300;
 constexpr double kShortestFirstWarmup = 1000;
@@ -69,7 +69,7 @@ struct Runner {
     const BenchEvents& events;
     std::vector<CaseResult> results;
     std::map<std::pair<bool, int>, std::pair<std::string, Image>> firstImages;  // by Variant::skins and influences
-    std::map<std::string, size_t> verifiedAs;                   // id without the raster mode -> result
+    std::map<std::string, size_t> verifiedAs;                                   // id without the raster mode -> result
 };
 
 void fail(CaseResult& result, CaseStatus status, std::string reason) {
@@ -237,13 +237,12 @@ Result<SkinError> capturedError(Runner& runner, const Case& which, Prepared& rea
 Result<void> compareWithFirstImage(Runner& runner, CaseResult& result, Prepared& ready) {
     auto image = ready.backend->readImage(*ready.plan);
     if (!image) return std::unexpected(image.error());
-    auto [entry, first] = runner.firstImages.try_emplace(
-        {result.which.variant->skins, result.which.influences}, result.id, Image{});
+    auto [entry, first] =
+        runner.firstImages.try_emplace({result.which.variant->skins, result.which.influences}, result.id, Image{});
     if (first) entry->second.second = std::move(*image);
     result.accuracy->imageReference = entry->second.first;
     if (first) return {};
-    const ImageDifference difference =
-        compareImages(entry->second.second, *image, runner.settings.imageThreshold);
+    const ImageDifference difference = compareImages(entry->second.second, *image, runner.settings.imageThreshold);
     result.accuracy->imageDifference = difference.fraction;
     if (difference.fraction > runner.settings.imageFraction)
         return deviceError(std::format("{:.3f} % of its pixels differ from those of {} (allowed: {:.3f} %)",
@@ -266,8 +265,8 @@ Result<void> verifyDrawn(Runner& runner, CaseResult& result, Prepared& ready) {
         return deviceError(std::format("positions are off by {:.3g} of the diagonal (allowed: {:.3g})", error->position,
                                        runner.settings.tolerance));
     if (!(error->normal <= normalTolerance))
-        return deviceError(std::format("normals are off by {:.3g} rad (allowed: {:.3g})", error->normal,
-                                       normalTolerance));
+        return deviceError(
+            std::format("normals are off by {:.3g} rad (allowed: {:.3g})", error->normal, normalTolerance));
     return ready.plan ? compareWithFirstImage(runner, result, ready) : Result<void>{};
 }
 
@@ -276,8 +275,9 @@ bool failOnMessages(CaseResult& result, Backend* backend) {
     if (!backend) return false;
     const std::vector<std::string> messages = backend->takeMessages();
     if (messages.empty()) return false;
-    fail(result, CaseStatus::failed,
-         std::format("{} validation message{}: {}", messages.size(), messages.size() == 1 ? "" : "s", messages.front()));
+    fail(
+        result, CaseStatus::failed,
+        std::format("{} validation message{}: {}", messages.size(), messages.size() == 1 ? "" : "s", messages.front()));
     return true;
 }
 
@@ -333,7 +333,8 @@ void timeCase(Runner& runner, size_t number, uint32_t round, Resident& resident)
     }
     Prepared& ready = place->second;
     const BenchSettings& settings = runner.settings;
-    const uint32_t from = settings.frames * round / settings.rounds, to = settings.frames * (round + 1) / settings.rounds;
+    const uint32_t from = settings.frames * round / settings.rounds,
+                   to = settings.frames * (round + 1) / settings.rounds;
     // Frames are posed a batch at a time: a hundred thousand of them would not fit in memory.
     Result<void> drawn;
     for (uint32_t first = from; first < to && drawn; first += kBatch) {

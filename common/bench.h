@@ -14,20 +14,20 @@
 namespace skinbench {
 
 struct BenchSettings {
-    uint32_t frames = 30;      // timed frames of a case, over all rounds
-    uint32_t warmup = 3;       // untimed frames in every round, repeated until their mean holds still (3 s at most)
+    uint32_t frames = 30;  // timed frames of a case, over all rounds
+    uint32_t warmup = 3;   // untimed frames in every round, repeated until their mean holds still (3 s at most)
     uint32_t rounds = 3;
-    uint32_t seed = 1;         // of the order within a round
-    bool timed = true;         // false: verify only
-    double tolerance = 2e-6;   // largest position error, relative to the posed bounding box's diagonal
-    uint32_t imageThreshold = 2;      // a pixel differs when a channel differs by more
-    double imageFraction = 0.001;     // that many pixels may differ between two routes
+    uint32_t seed = 1;             // of the order within a round
+    bool timed = true;             // false: verify only
+    double tolerance = 2e-6;       // largest position error, relative to the posed bounding box's diagonal
+    uint32_t imageThreshold = 2;   // a pixel differs when a channel differs by more
+    double imageFraction = 0.001;  // that many pixels may differ between two routes
 };
 
 enum class CaseStatus { ok, skipped, failed };
 
 struct Accuracy {
-    SkinError error;             // the larger of the two captured copies
+    SkinError error;  // the larger of the two captured copies
     double tolerance = 0;
     double imageDifference = 0;  // fraction of pixels that differ from the first image of the run
     std::string imageReference;  // id of the case that made that image
@@ -57,9 +57,9 @@ struct OpenBackend {
 using Backends = std::map<Api, OpenBackend>;
 
 struct BenchEvents {
-    std::function<void(const std::string& what, double fraction)> progress;   // fraction of the work that is done
-    std::function<Result<void>(const std::vector<CaseResult>&)> checkpoint;   // after every case and every round
-    std::function<bool()> stop;                                               // true: end after the current case
+    std::function<void(const std::string& what, double fraction)> progress;  // fraction of the work that is done
+    std::function<Result<void>(const std::vector<CaseResult>&)> checkpoint;  // after every case and every round
+    std::function<bool()> stop;                                              // true: end after the current case
 };
 
 // One result a case, in the order given. Fails only when nothing can be measured at all (the scene cannot be prepared)

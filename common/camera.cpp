@@ -29,8 +29,8 @@ FrameConstants frameConstants(const Framing& framing, double seconds) {
     const float yaw = glm::radians(framing.yaw);
     const glm::vec3 eye = target + distance * glm::vec3(std::sin(yaw), framing.yaw == 0 ? 0 : 0.12f, std::cos(yaw));
 
-    glm::mat4 projection = glm::perspectiveRH_ZO(fieldOfView, static_cast<float>(aspect), distance * 0.2f,
-                                                 distance * 2 + depth * 2);
+    glm::mat4 projection =
+        glm::perspectiveRH_ZO(fieldOfView, static_cast<float>(aspect), distance * 0.2f, distance * 2 + depth * 2);
     projection[1][1] = -projection[1][1];
     FrameConstants constants;
     constants.viewProjection = projection * glm::lookAtRH(eye, target, glm::vec3(0, 1, 0));

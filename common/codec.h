@@ -28,14 +28,14 @@ struct EncodedMesh {
     std::optional<MeshletMesh> meshlets;      // where the codec rewrites vertex references
     std::vector<VertexAttribute> attributes;  // empty: no attribute format can carry this codec
     uint32_t attributeStride = 0;
-    Defines defines;                          // for every stage that decodes
+    Defines defines;  // for every stage that decodes
 };
 
 struct Codec {
     const char* name;
     const char* what;
-    const char* shader;     // below shaders_glsl/
-    bool needsMeshlets;     // decodes only in mesh stages
+    const char* shader;  // below shaders_glsl/
+    bool needsMeshlets;  // decodes only in mesh stages
     // `mesh` is prepared with `influences` influences (4 or 8); `meshlets` is null for routes without mesh shaders.
     Result<EncodedMesh> (*encode)(const Mesh& mesh, const MeshletMesh* meshlets, int influences);
 };

@@ -38,7 +38,8 @@ ImageDifference compareImages(const Image& a, const Image& b, uint32_t threshold
         difference.largest = std::max(difference.largest, largest);
         different += largest > threshold;
     }
-    difference.fraction = a.rgba.empty() ? 0 : static_cast<double>(different) / (static_cast<double>(a.rgba.size()) / 4);
+    difference.fraction =
+        a.rgba.empty() ? 0 : static_cast<double>(different) / (static_cast<double>(a.rgba.size()) / 4);
     return difference;
 }
 

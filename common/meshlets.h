@@ -27,18 +27,18 @@ struct Meshlet {
 struct MeshletMesh {
     MeshletLimits limits;
     std::vector<Meshlet> meshlets;
-    std::vector<uint32_t> vertices;                    // vertex ids of the mesh, meshlet by meshlet
-    std::vector<std::array<uint8_t, 3>> triangles;     // meshlet-local vertex numbers, winding kept
+    std::vector<uint32_t> vertices;                 // vertex ids of the mesh, meshlet by meshlet
+    std::vector<std::array<uint8_t, 3>> triangles;  // meshlet-local vertex numbers, winding kept
 };
 
 struct MeshletStats {
     uint32_t meshlets = 0;
-    double meanVertices = 0;        // per meshlet
+    double meanVertices = 0;  // per meshlet
     double meanTriangles = 0;
-    double vertexFill = 0;          // mean vertices / limit
+    double vertexFill = 0;  // mean vertices / limit
     double triangleFill = 0;
-    double vertexReuse = 0;         // vertex references of all meshlets / vertices of the mesh: 1 is no repetition
-    double meanUniqueTuples = 0;    // distinct joint tuples per meshlet
+    double vertexReuse = 0;       // vertex references of all meshlets / vertices of the mesh: 1 is no repetition
+    double meanUniqueTuples = 0;  // distinct joint tuples per meshlet
 };
 
 using BuildMeshlets = MeshletMesh (*)(const Mesh& mesh, const MeshletLimits& limits);

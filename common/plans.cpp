@@ -37,8 +37,8 @@ Result<Program> makeProgram(const Case& which, const PlanInput& input, const cha
     Program program;
     program.label = label;
     for (const StageFile& stage : stages) {
-        Result<ShaderText> text = shaderText(
-            *input.shaders, {stage.file, stage.stage, which.route->api, which.route->dialect, defines});
+        Result<ShaderText> text =
+            shaderText(*input.shaders, {stage.file, stage.stage, which.route->api, which.route->dialect, defines});
         if (!text) return std::unexpected(text.error());
         program.stages.push_back(std::move(*text));
     }
@@ -67,7 +67,8 @@ Pass startDraw(const Case& which, PassKind kind) {
 }
 
 void addStream(FramePlan& plan, uint32_t slot, uint32_t use, const Bytes& bytes, uint32_t copies) {
-    if (bytes && !bytes->empty()) plan.streams.push_back({.slot = slot, .use = use, .bytes = bytes, .replicas = copies});
+    if (bytes && !bytes->empty())
+        plan.streams.push_back({.slot = slot, .use = use, .bytes = bytes, .replicas = copies});
 }
 
 // An indexed draw a copy, or one for all: then the indices of copy c already count from c * vertexCount.
@@ -108,8 +109,8 @@ Result<FramePlan> planMesh(const Case& which, const PlanInput& input, const Devi
                                    {"MESHLET_VERTICES", std::to_string(which.limits.vertices)},
                                    {"MESHLET_TRIANGLES", std::to_string((which.limits.triangles + 3) / 4 * 4)},
                                    {"GROUP_SIZE", std::to_string(which.groupSize)}});
-    auto program = makeProgram(which, input, "draw", {{Stage::mesh, "mesh.glsl"}, {Stage::fragment, "surface.glsl"}},
-                               defines);
+    auto program =
+        makeProgram(which, input, "draw", {{Stage::mesh, "mesh.glsl"}, {Stage::fragment, "surface.glsl"}}, defines);
     if (!program) return std::unexpected(program.error());
 
     FramePlan plan = startPlan(which, input);
@@ -146,9 +147,9 @@ Result<void> addSkinnedDraw(FramePlan& plan, const Case& which, const PlanInput&
 
 Result<FramePlan> planDirect(const Case& which, const PlanInput& input, const DeviceCaps& caps) {
     if (which.route->dialect != MeshDialect::none) return planMesh(which, input, caps);
-    auto program = makeProgram(which, input, "draw",
-                               {{Stage::vertex, "vertex.glsl"}, {Stage::fragment, "surface.glsl"}},
-                               commonDefines(which, input));
+    auto program =
+        makeProgram(which, input, "draw", {{Stage::vertex, "vertex.glsl"}, {Stage::fragment, "surface.glsl"}},
+                    commonDefines(which, input));
     if (!program) return std::unexpected(program.error());
     FramePlan plan = startPlan(which, input);
     if (which.fetch == VertexFetch::pull) {

@@ -44,9 +44,12 @@ RunContext hostContext() {
 
 static Json meshLimitsJson(const MeshLimitsOfDevice& limits) {
     if (!limits.available) return nullptr;
-    return {{"max_vertices", limits.maxVertices},       {"max_triangles", limits.maxTriangles},
-            {"max_group_size", limits.maxGroupSize},    {"max_group_count", limits.maxGroupCount},
-            {"max_output_bytes", limits.maxOutputBytes}, {"max_shared_bytes", limits.maxSharedBytes},
+    return {{"max_vertices", limits.maxVertices},
+            {"max_triangles", limits.maxTriangles},
+            {"max_group_size", limits.maxGroupSize},
+            {"max_group_count", limits.maxGroupCount},
+            {"max_output_bytes", limits.maxOutputBytes},
+            {"max_shared_bytes", limits.maxSharedBytes},
             {"preferred_group_size", limits.preferredGroupSize}};
 }
 
@@ -121,9 +124,12 @@ static Json optionsJson(const Case& which) {
 
 static const char* statusName(CaseStatus status) {
     switch (status) {
-        case CaseStatus::ok: return "ok";
-        case CaseStatus::skipped: return "skipped";
-        case CaseStatus::failed: return "failed";
+        case CaseStatus::ok:
+            return "ok";
+        case CaseStatus::skipped:
+            return "skipped";
+        case CaseStatus::failed:
+            return "failed";
     }
     return "?";
 }
@@ -145,9 +151,9 @@ static Json caseJson(const CaseResult& result) {
             {"reason", result.status == CaseStatus::ok ? Json(nullptr) : Json(result.reason)},
             {"gpu_ms", timed ? timesJson(result.total) : Json(nullptr)},
             {"passes_ms", timed ? passesJson(result) : Json(nullptr)},
-            {"host_ms", timed ? Json{{"record", summarise(result.record).median},
-                                     {"submit", summarise(result.submit).median}}
-                              : Json(nullptr)},
+            {"host_ms",
+             timed ? Json{{"record", summarise(result.record).median}, {"submit", summarise(result.submit).median}}
+                   : Json(nullptr)},
             {"limit_ms", nullptr},
             {"meshlets", which.builder && result.meshlets ? Json(result.meshlets) : Json(nullptr)},
             {"memory_bytes", memoryJson(result.memory)},
@@ -195,13 +201,12 @@ static std::string csvField(const Json& value) {
 }
 
 std::string resultsCsv(const Json& results) {
-    const std::vector<std::string> plain = {"id", "route", "variant", "codec", "builder", "layout", "cull",
-                                            "scenario", "raster", "status", "reason", "limit_ms", "meshlets"};
+    const std::vector<std::string> plain = {"id",       "route",  "variant", "codec",  "builder",  "layout",  "cull",
+                                            "scenario", "raster", "status",  "reason", "limit_ms", "meshlets"};
     const std::vector<std::pair<std::string, std::vector<std::string>>> nested = {
         {"gpu_ms", {"mean", "median", "min", "max", "cv"}},
         {"passes_ms", {"skin", "depth", "draw"}},
-        {"memory_bytes",
-         {"vertex", "index", "meshlet", "additional_meshlet", "tuple", "palette", "skinned", "total"}},
+        {"memory_bytes", {"vertex", "index", "meshlet", "additional_meshlet", "tuple", "palette", "skinned", "total"}},
         {"accuracy", {"max_position_error", "max_normal_error", "tolerance"}}};
     std::string text = "scene";
     for (const std::string& name : plain) text += "," + name;
@@ -264,7 +269,8 @@ static const NeededKeys kGroups = {
 
 static const NeededKeys kLists = {
     {"devices", {"route_api", "name", "driver", "software"}},
-    {"cases", {"id", "route", "variant", "status", "reason", "raster", "gpu_ms", "passes_ms", "memory_bytes", "accuracy"}}};
+    {"cases",
+     {"id", "route", "variant", "status", "reason", "raster", "gpu_ms", "passes_ms", "memory_bytes", "accuracy"}}};
 
 static const NeededKeys kFigures = {{"gpu_ms", {"median", "min", "cv"}},
                                     {"passes_ms", {"skin", "draw"}},

@@ -18,7 +18,7 @@ struct RunContext {
     std::string os, cpu;
     std::vector<DeviceCaps> devices;  // those that were opened
     std::string sceneName;
-    SceneStats scene;                 // prepared with `influences`
+    SceneStats scene;  // prepared with `influences`
     WorkloadSettings workload;
     BenchSettings bench;
 };

@@ -31,11 +31,16 @@ th { font-weight: 600; } td.n, th.n { text-align: right; } td.why { white-space:
 std::string escape(const std::string& text) {
     std::string safe;
     for (char c : text) {
-        if (c == '&') safe += "&amp;";
-        else if (c == '<') safe += "&lt;";
-        else if (c == '>') safe += "&gt;";
-        else if (c == '"') safe += "&quot;";
-        else safe += c;
+        if (c == '&')
+            safe += "&amp;";
+        else if (c == '<')
+            safe += "&lt;";
+        else if (c == '>')
+            safe += "&gt;";
+        else if (c == '"')
+            safe += "&quot;";
+        else
+            safe += c;
     }
     return safe;
 }
@@ -60,7 +65,8 @@ bool softwareRoute(const Json& results, const std::string& route) {
 std::string contextHtml(const Json& results) {
     const Json &scene = results["scene"], &settings = results["settings"];
     std::string html = std::format(
-        "<p>{} vertices, {} triangles, {} joints, {} unique tuples, {:.2f} influences a vertex (at most {}); {} copies at "
+        "<p>{} vertices, {} triangles, {} joints, {} unique tuples, {:.2f} influences a vertex (at most {}); {} copies "
+        "at "
         "{}×{}, {} frames in rounds, pose {}.</p>\n",
         word(scene["vertices"]), word(scene["triangles"]), word(scene["joints"]), word(scene["unique_tuples"]),
         scene["mean_influences"].get<double>(), word(scene["max_influences"]), word(settings["copies"]),
@@ -91,10 +97,10 @@ std::string chartHtml(const Json& results, const std::string& raster) {
         "<h3>Milliseconds a frame, raster " + escape(raster) + " (median, all copies)</h3>\n<div class=chart>\n";
     for (const Json* row : timed) {
         const double ms = (*row)["gpu_ms"]["median"];
-        html += std::format("<code>{}</code><div class=track><div class=\"bar{}\" style=\"width:{:.2f}%\"></div>"
-                            "<span>{:.3f}</span></div>\n",
-                            word((*row)["id"]), softwareRoute(results, (*row)["route"]) ? " software" : "",
-                            ms / longest * 80, ms);
+        html += std::format(
+            "<code>{}</code><div class=track><div class=\"bar{}\" style=\"width:{:.2f}%\"></div>"
+            "<span>{:.3f}</span></div>\n",
+            word((*row)["id"]), softwareRoute(results, (*row)["route"]) ? " software" : "", ms / longest * 80, ms);
     }
     return html + "</div>\n";
 }

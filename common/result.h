@@ -36,10 +36,10 @@ inline std::unexpected<Error> deviceError(std::string text) {
 }  // namespace skinbench
 
 // Stays on in release builds: a benchmark that goes on after a broken invariant publishes wrong numbers.
-#define SKINBENCH_ASSERT(condition)                                                              \
-    do {                                                                                         \
-        if (!(condition)) {                                                                      \
+#define SKINBENCH_ASSERT(condition)                                                                 \
+    do {                                                                                            \
+        if (!(condition)) {                                                                         \
             std::fprintf(stderr, "skinbench: %s:%d: broken: %s\n", __FILE__, __LINE__, #condition); \
-            std::abort();                                                                        \
-        }                                                                                        \
+            std::abort();                                                                           \
+        }                                                                                           \
     } while (0)

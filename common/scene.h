@@ -19,8 +19,8 @@
 namespace skinbench {
 
 inline constexpr int kMaxInfluences = 8;
-inline constexpr uint16_t kNoJoint = 0xFFFF;      // "irrelevant": fills the places behind the last influence
-inline constexpr uint32_t kMaxJoints = 0xFFFF;    // joint ids are 16 bits and one value is taken by kNoJoint
+inline constexpr uint16_t kNoJoint = 0xFFFF;    // "irrelevant": fills the places behind the last influence
+inline constexpr uint32_t kMaxJoints = 0xFFFF;  // joint ids are 16 bits and one value is taken by kNoJoint
 
 // After cleanWeights: sorted by descending weight (equal weights: smaller joint first), weights sum to 1, places of
 // weight 0 hold kNoJoint. Straight from a loader: any order, any sum, kNoJoint never used.
@@ -120,9 +120,9 @@ enum class Geometry {
 };
 
 struct PrepareOptions {
-    int influences = 4;             // kept per vertex: 4 or 8
+    int influences = 4;  // kept per vertex: 4 or 8
     Geometry geometry = Geometry::welded;
-    bool cacheOrder = true;         // reorder triangles and vertices for the vertex cache (Torabi 5.1.1)
+    bool cacheOrder = true;  // reorder triangles and vertices for the vertex cache (Torabi 5.1.1)
 };
 
 // Accepts "PATH.gltf", "PATH.glb", "builtin:NAME" and "builtin:NAME:VERTICES". The result is as stored; prepareScene

@@ -104,11 +104,16 @@ Result<void> expand(const std::string& name, const std::string& from, Expansion&
 
 const char* stageDefine(Stage stage) {
     switch (stage) {
-        case Stage::vertex: return "STAGE_VERTEX";
-        case Stage::fragment: return "STAGE_FRAGMENT";
-        case Stage::compute: return "STAGE_COMPUTE";
-        case Stage::task: return "STAGE_TASK";
-        case Stage::mesh: return "STAGE_MESH";
+        case Stage::vertex:
+            return "STAGE_VERTEX";
+        case Stage::fragment:
+            return "STAGE_FRAGMENT";
+        case Stage::compute:
+            return "STAGE_COMPUTE";
+        case Stage::task:
+            return "STAGE_TASK";
+        case Stage::mesh:
+            return "STAGE_MESH";
     }
     return "?";
 }

@@ -24,8 +24,8 @@ const std::vector<Variant>& variants() {
     static const std::vector<Variant> rows = {
         {"none", "no skinning: the baseline", true, true, false, false, true, planDirect},
         {"vertex", "linear blend skinning in the vertex stage", true, false, false, true, true, planDirect},
-        {"compute", "a compute pass skins into a buffer, a plain vertex stage draws it", true, false, false, true, false,
-         planCompute},
+        {"compute", "a compute pass skins into a buffer, a plain vertex stage draws it", true, false, false, true,
+         false, planCompute},
         {"mesh", "a mesh-shader work group skins and draws a meshlet", false, true, false, true, false, planDirect},
         {"cpu", "the CPU skins on all cores, uploads, draws", true, false, true, true, false, planCpu},
     };
@@ -48,19 +48,26 @@ bool runsOn(const Variant& variant, const Route& route) {
 
 const char* rasterName(RasterMode raster) {
     switch (raster) {
-        case RasterMode::full: return "full";
-        case RasterMode::noFragments: return "no-fragments";
-        case RasterMode::discard: return "discard";
+        case RasterMode::full:
+            return "full";
+        case RasterMode::noFragments:
+            return "no-fragments";
+        case RasterMode::discard:
+            return "discard";
     }
     return "?";
 }
 
 const char* viewName(View view) {
     switch (view) {
-        case View::shaded: return "shaded";
-        case View::meshlets: return "meshlets";
-        case View::weights: return "weights";
-        case View::tuples: return "tuples";
+        case View::shaded:
+            return "shaded";
+        case View::meshlets:
+            return "meshlets";
+        case View::weights:
+            return "weights";
+        case View::tuples:
+            return "tuples";
     }
     return "?";
 }
@@ -115,8 +122,9 @@ Result<FramePlan> makePlan(const Case& which, const PlanInput& input, const Devi
     // Vertex, index and group numbers of all copies together are 32 bits, base vertices signed.
     const uint64_t largest = std::max<uint64_t>(input.encoded->vertexCount, input.scene->mesh.indices.size());
     if (largest * input.copies > INT32_MAX)
-        return deviceError(std::format("{} copies of {} vertices and {} indices exceed 32-bit numbers; use fewer copies",
-                                       input.copies, input.encoded->vertexCount, input.scene->mesh.indices.size()));
+        return deviceError(
+            std::format("{} copies of {} vertices and {} indices exceed 32-bit numbers; use fewer copies", input.copies,
+                        input.encoded->vertexCount, input.scene->mesh.indices.size()));
     Result<FramePlan> plan = which.variant->plan(which, input, caps);
     if (!plan) return plan;
     plan->label = caseId(which);
@@ -125,16 +133,16 @@ Result<FramePlan> makePlan(const Case& which, const PlanInput& input, const Devi
         const uint64_t bytes = stream.bytes ? uint64_t{stream.bytes->size()} * stream.replicas : stream.gpuBytes;
         if ((stream.use & useStorage) && bytes > caps.maxStorageBytes)
             return deviceError(std::format("needs a storage buffer of {} for {} copies: {} allows {}; use fewer copies",
-                                           mebibytes(bytes), input.copies, caps.name,
-                                           mebibytes(caps.maxStorageBytes)));
+                                           mebibytes(bytes), input.copies, caps.name, mebibytes(caps.maxStorageBytes)));
     }
     if (plan->paletteBytes > caps.maxStorageBytes)
         return deviceError(std::format("needs a palette of {} for {} copies: {} allows {}; use fewer copies",
                                        mebibytes(plan->paletteBytes), input.copies, caps.name,
                                        mebibytes(caps.maxStorageBytes)));
     if (caps.deviceBytes && planBytes(*plan) > caps.deviceBytes)
-        return deviceError(std::format("needs {} for {} copies: {} has {}; use fewer copies", mebibytes(planBytes(*plan)),
-                                       input.copies, caps.name, mebibytes(caps.deviceBytes)));
+        return deviceError(std::format("needs {} for {} copies: {} has {}; use fewer copies",
+                                       mebibytes(planBytes(*plan)), input.copies, caps.name,
+                                       mebibytes(caps.deviceBytes)));
     return plan;
 }
 
@@ -144,14 +152,27 @@ MemoryBytes memoryOfOneCopy(const FramePlan& plan, uint32_t copies) {
         const uint64_t bytes =
             stream.bytes ? uint64_t{stream.bytes->size()} * stream.replicas / copies : stream.gpuBytes / copies;
         switch (stream.slot) {
-            case SLOT_VERTEX: memory.vertex += bytes; break;
-            case SLOT_INDEX: memory.index += bytes; break;
+            case SLOT_VERTEX:
+                memory.vertex += bytes;
+                break;
+            case SLOT_INDEX:
+                memory.index += bytes;
+                break;
             case SLOT_MESHLET:
-            case SLOT_MESHLET_DATA: memory.meshlet += bytes; break;
-            case SLOT_MESHLET_EXTRA: memory.additionalMeshlet += bytes; break;
-            case SLOT_TUPLE: memory.tuple += bytes; break;
-            case SLOT_SKINNED: memory.skinned += bytes; break;
-            default: break;
+            case SLOT_MESHLET_DATA:
+                memory.meshlet += bytes;
+                break;
+            case SLOT_MESHLET_EXTRA:
+                memory.additionalMeshlet += bytes;
+                break;
+            case SLOT_TUPLE:
+                memory.tuple += bytes;
+                break;
+            case SLOT_SKINNED:
+                memory.skinned += bytes;
+                break;
+            default:
+                break;
         }
     }
     memory.palette = plan.paletteBytes / copies;

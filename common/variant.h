@@ -47,21 +47,21 @@ struct Case {
     RasterMode raster = RasterMode::full;
     VertexFetch fetch = VertexFetch::attributes;
     Submission submission = Submission::perCopy;
-    bool packedWrites = true;   // NV only: four local indices a write
-    bool keepBackFaces = false; // draw without the rasteriser's back-face culling
+    bool packedWrites = true;    // NV only: four local indices a write
+    bool keepBackFaces = false;  // draw without the rasteriser's back-face culling
     View view = View::shaded;
 };
 
 // What a variant is fed: everything that does not depend on the API.
 struct PlanInput {
     const ShaderLibrary* shaders = nullptr;
-    const Scene* scene = nullptr;          // prepared for the case's number of influences
+    const Scene* scene = nullptr;  // prepared for the case's number of influences
     const EncodedMesh* encoded = nullptr;
-    const MeshletMesh* meshlets = nullptr; // null where Case::builder is
+    const MeshletMesh* meshlets = nullptr;  // null where Case::builder is
     uint32_t copies = 1;
     uint32_t width = 1920;
     uint32_t height = 1080;
-    bool capture = false;                  // a verifying plan
+    bool capture = false;  // a verifying plan
 };
 
 struct Variant {

@@ -7,14 +7,14 @@
 #define SLOT_FRAME 0  // FrameConstants
 
 // Storage blocks: eight, the number that OpenGL 4.5 guarantees a stage that has any.
-#define SLOT_PALETTE 1       // 3 rows (vec4) a joint, joint after joint, copy after copy
-#define SLOT_VERTEX 2        // encoded vertices of one codec, copy after copy
-#define SLOT_MESHLET 3       // meshlet descriptors
-#define SLOT_MESHLET_DATA 4  // vertex ids and packed local indices
-#define SLOT_MESHLET_EXTRA 5 // what a codec or builder adds per meshlet
-#define SLOT_TUPLE 6         // joint tuples
-#define SLOT_SKINNED 7       // SkinnedVertex, written by one pass and read by the next
-#define SLOT_CAPTURE 8       // SkinnedVertex, written by verifying plans only
+#define SLOT_PALETTE 1        // 3 rows (vec4) a joint, joint after joint, copy after copy
+#define SLOT_VERTEX 2         // encoded vertices of one codec, copy after copy
+#define SLOT_MESHLET 3        // meshlet descriptors
+#define SLOT_MESHLET_DATA 4   // vertex ids and packed local indices
+#define SLOT_MESHLET_EXTRA 5  // what a codec or builder adds per meshlet
+#define SLOT_TUPLE 6          // joint tuples
+#define SLOT_SKINNED 7        // SkinnedVertex, written by one pass and read by the next
+#define SLOT_CAPTURE 8        // SkinnedVertex, written by verifying plans only
 
 // Not a block of any stage.
 #define SLOT_INDEX 9  // 32-bit index buffer

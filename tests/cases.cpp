@@ -107,7 +107,10 @@ Scene tinyScene(uint32_t segments) {
         inverse[3] = glm::vec4(0, -0.5f * static_cast<float>(s), 0, 1);
         scene.skeleton.joints.push_back({s, inverse});
         const float half = 0.06f + 0.01f * static_cast<float>(s % 3);
-        bend.channels.push_back({s, ChannelPath::rotation, Interpolation::linear, {0, 1, 2},
+        bend.channels.push_back({s,
+                                 ChannelPath::rotation,
+                                 Interpolation::linear,
+                                 {0, 1, 2},
                                  {{0, 0, -std::sin(half), std::cos(half)},
                                   {std::sin(half), 0, 0, std::cos(half)},
                                   {0, 0, -std::sin(half), std::cos(half)}}});

@@ -7,11 +7,16 @@ namespace skinbench {
 
 static EShLanguage languageOf(Stage stage) {
     switch (stage) {
-        case Stage::vertex: return EShLangVertex;
-        case Stage::fragment: return EShLangFragment;
-        case Stage::compute: return EShLangCompute;
-        case Stage::task: return EShLangTask;
-        case Stage::mesh: return EShLangMesh;
+        case Stage::vertex:
+            return EShLangVertex;
+        case Stage::fragment:
+            return EShLangFragment;
+        case Stage::compute:
+            return EShLangCompute;
+        case Stage::task:
+            return EShLangTask;
+        case Stage::mesh:
+            return EShLangMesh;
     }
     return EShLangVertex;
 }

@@ -293,9 +293,9 @@ TEST_CASE("what the machine cannot do has status 1") {
     });
     CHECK(!fs::exists(pathOf("v.png")));
     // Cases that cannot run stand in the table, and one line says why there is no more.
-    for (const Words& words : {Words{"verify", "builtin:biped:60000", "--routes", "cpu", "--copies", "1000000"},
-                               Words{"verify", "builtin:biped:60000", "--routes", "vk", "--variants", "vertex",
-                                     "--copies", "4000"}}) {
+    for (const Words& words :
+         {Words{"verify", "builtin:biped:60000", "--routes", "cpu", "--copies", "1000000"},
+          Words{"verify", "builtin:biped:60000", "--routes", "vk", "--variants", "vertex", "--copies", "4000"}}) {
         const Outcome outcome = call(words);
         INFO("standard error: " << outcome.err);
         CHECK(outcome.status == 1);

@@ -96,7 +96,8 @@ TEST_CASE("includes are expanded once and line numbers point into the right file
     library.files["b.glsl"] = "inside\n#include <ignored>\n";
     library.files["c.glsl"] = "#include WHICH\n";
     library.files["d.glsl"] = "#include \"missing.glsl\"\n";
-    auto text = shaderText(library, {.file = "a.glsl", .stage = Stage::vertex, .api = Api::opengl, .defines = {{"N", "3"}}});
+    auto text =
+        shaderText(library, {.file = "a.glsl", .stage = Stage::vertex, .api = Api::opengl, .defines = {{"N", "3"}}});
     REQUIRE(text);
     CHECK(text->text.starts_with("#version 450\n// 1=a.glsl 2=b.glsl\n#define N 3\n"));
     const std::string inside = "#ifndef INCLUDED_2\n#define INCLUDED_2\n#line 1 2\ninside\n#line 3 2\n#endif\n";

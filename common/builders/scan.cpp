@@ -17,8 +17,8 @@ MeshletMesh buildScan(const Mesh& mesh, const MeshletLimits& limits) {
         auto number = static_cast<uint32_t>(cut.meshlets.size());
         uint32_t fresh = 0;
         for (size_t c = 0; c < 3; ++c)
-            fresh += owner[corners[c]] != number && std::find(corners.begin(), corners.begin() + c, corners[c]) ==
-                                                        corners.begin() + c;
+            fresh += owner[corners[c]] != number &&
+                     std::find(corners.begin(), corners.begin() + c, corners[c]) == corners.begin() + c;
         if (open.vertexCount + fresh > limits.vertices || open.triangleCount + 1 > limits.triangles) {
             cut.meshlets.push_back(open);
             open = {static_cast<uint32_t>(cut.vertices.size()), static_cast<uint32_t>(cut.triangles.size()), 0, 0};
