@@ -209,7 +209,8 @@ public:
     // because of what an earlier plan did; a lost device is an error of this and every later call.
     virtual Result<std::vector<Timing>> run(PlanId plan, std::span<const FrameInput> frames) = 0;
 
-    // The colour target and a whole stream as the last run() of this plan left them.
+    // The colour target and a whole stream as the last run() of this plan left them. Plans of one size share their
+    // targets: the image is an error once another of them has run.
     virtual Result<Image> readImage(PlanId plan) = 0;
     virtual Result<std::vector<std::byte>> readStream(PlanId plan, uint32_t slot) = 0;
 
