@@ -2,6 +2,7 @@
 #include <CLI/CLI.hpp>
 
 #include <algorithm>
+#include <csignal>
 #include <cmath>
 #include <iostream>
 #include <new>
@@ -188,6 +189,7 @@ int runProgram(int argc, char** argv) {
 }  // namespace skinbench
 
 int main(int argc, char** argv) {
+    std::signal(SIGINT, SIG_DFL);  // ./run starts the program with the signal ignored
     try {
         return skinbench::runProgram(argc, argv);
     } catch (const std::bad_alloc&) {
