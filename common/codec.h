@@ -2,6 +2,7 @@
 // shaders_glsl/codecs) and a row in codecs().
 #pragma once
 
+#include <functional>
 #include <memory>
 #include <optional>
 
@@ -28,7 +29,9 @@ struct EncodedMesh {
     std::optional<MeshletMesh> meshlets;      // where the codec rewrites vertex references
     std::vector<VertexAttribute> attributes;  // empty: no attribute format can carry this codec
     uint32_t attributeStride = 0;
-    Defines defines;  // for every stage that decodes
+    Defines defines;                // for every stage that decodes
+    std::vector<uint32_t> sources;  // per vertex: vertex of the mesh that it came from; empty: itself
+    std::function<Mesh()> decode;   // null: the mesh's own attributes, bit for bit; use decodeOnCpu
 };
 
 struct Codec {
@@ -40,13 +43,44 @@ struct Codec {
     Result<EncodedMesh> (*encode)(const Mesh& mesh, const MeshletMesh* meshlets, int influences);
 };
 
+// The codecs that `all` stands for. findCodec also knows pc16, pc24 … pc64: permutation codes of that many bits, fitted
+// to the mesh's number of tuples.
 const std::vector<Codec>& codecs();
 const Codec* findCodec(const std::string& name);
+
+// Whether fixed-function vertex attributes can carry the codec.
+bool feedsAttributes(const Codec& codec);
+
+// What a shader sees after decoding: the vertex arrays, one element an encoded vertex, in single precision that a GPU
+// matches to a few units in the last place; no indices. Reads the encoded bytes, not the mesh, where a codec loses any.
+Mesh decodeOnCpu(const Mesh& mesh, const EncodedMesh& encoded);
 
 // --- encoders --------------------------------------------------------------------------------------------------
 
 // Uncompressed, 64 bytes with 4 influences (Kimmersdorfer 3.3) and 96 with 8; shaders_glsl/codecs/uc.glsl draws it.
 // Irrelevant influences are stored as joint 0 with weight 0, so that reading the palette needs no test.
 Result<EncodedMesh> encodeUncompressed(const Mesh& mesh, const MeshletMesh* meshlets, int influences);
+
+// Quantised attributes in 14 bytes and u16 joints and unorm16 weights behind them: 30 bytes, 46 with 8 influences.
+Result<EncodedMesh> encodeUc16(const Mesh& mesh, const MeshletMesh* meshlets, int influences);
+
+// Optimal Simplex Sampling, 4 influences, 18 bytes: a code of 16 bits with 65536 tuples, or of 22 bits with 1024.
+Result<EncodedMesh> encodeOss16(const Mesh& mesh, const MeshletMesh* meshlets, int influences);
+Result<EncodedMesh> encodeOss22(const Mesh& mesh, const MeshletMesh* meshlets, int influences);
+
+// Permutation Coding with 65536 tuples: 32 bits and 18 bytes, 64 bits and 22 bytes with 8 influences.
+Result<EncodedMesh> encodePc(const Mesh& mesh, const MeshletMesh* meshlets, int influences);
+
+// Permutation Coding in `bits` (16, 24 … 64) for exactly as many tuples as the mesh has: 14 + bits / 8 bytes.
+template <int bits>
+Result<EncodedMesh> encodePcBits(const Mesh& mesh, const MeshletMesh* meshlets, int influences);
+
+// Meshlet difference encoding, 4 influences (common/codecs/differences.h). Vertices are split where meshlets cannot
+// share them; `meshlets` must not be null. dpdc16 counts 8192 merged tuples, or 16384 with coarser weights where a mesh
+// needs them.
+Result<EncodedMesh> encodePdc8(const Mesh& mesh, const MeshletMesh* meshlets, int influences);
+Result<EncodedMesh> encodePdc16(const Mesh& mesh, const MeshletMesh* meshlets, int influences);
+Result<EncodedMesh> encodePdc32(const Mesh& mesh, const MeshletMesh* meshlets, int influences);
+Result<EncodedMesh> encodeDpdc16(const Mesh& mesh, const MeshletMesh* meshlets, int influences);
 
 }  // namespace skinbench

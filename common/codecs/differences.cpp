@@ -6,6 +6,7 @@
 #include <format>
 #include <limits>
 #include <unordered_map>
+#include <utility>
 
 #include "common/codecs/bytes.h"
 #include "common/codecs/parallel.h"
@@ -90,63 +91,84 @@ std::vector<uint32_t> makeClasses(const std::vector<CodeRange>& ranges, Differen
 struct StoredVertex {
     uint32_t source = 0;
     uint32_t meshletClass = 0;
-    uint32_t offset = 0;
     uint32_t difference = 0;
     uint32_t bytes = 0;
     uint32_t next = kNone;  // the next copy of the same source
 };
 
-// One stored vertex per source vertex and class, in order of first use. Sets vertexOffsets, vertexBytes and copies.
+uint32_t byteOffset(const DifferenceMesh& mesh, uint32_t number, uint32_t bytes) {
+    return mesh.sections[bytes] + number * (kBaseVertexBytes + bytes);
+}
+
+// Stable by width: what the numbers of `found` become. Sets sections and vertexBytes.
+std::vector<uint32_t> numberByWidth(const std::vector<StoredVertex>& stored, DifferenceMesh& out) {
+    std::array<uint32_t, kMaxDifferenceBytes + 1> next{};
+    for (const StoredVertex& v : stored) ++next[v.bytes];
+    uint32_t first = 0;
+    for (uint32_t bytes = 0; bytes <= kMaxDifferenceBytes; ++bytes) {
+        const uint32_t count = std::exchange(next[bytes], first);
+        const uint32_t stride = kBaseVertexBytes + bytes;
+        out.sections[bytes] = static_cast<uint32_t>(out.vertexBytes) - first * stride;
+        out.vertexBytes += uint64_t{count} * stride;
+        first += count;
+    }
+    std::vector<uint32_t> numbers(stored.size());
+    for (size_t i = 0; i < stored.size(); ++i) numbers[i] = next[stored[i].bytes]++;
+    return numbers;
+}
+
+// One stored vertex per source vertex and class, by width and first use. Sets all that refers to vertices.
 Result<std::vector<StoredVertex>> placeVertices(const MeshletMesh& meshlets, const std::vector<CodeRange>& ranges,
                                                 const std::vector<uint32_t>& codes, DifferenceMesh& out) {
     const std::vector<uint32_t> classes = makeClasses(ranges, out.codec);
-    std::vector<StoredVertex> stored;
-    stored.reserve(codes.size());
+    std::vector<StoredVertex> found;
+    found.reserve(codes.size());
     std::vector<uint32_t> newest(codes.size(), kNone);
-    out.vertexOffsets.resize(meshlets.vertices.size());
+    out.numbers.resize(meshlets.vertices.size());
     for (size_t m = 0; m < ranges.size(); ++m) {
         const Meshlet& meshlet = meshlets.meshlets[m];
         for (uint32_t i = meshlet.firstVertex; i < meshlet.firstVertex + meshlet.vertexCount; ++i) {
             const uint32_t source = meshlets.vertices[i];
-            uint32_t found = newest[source];
-            while (found != kNone && stored[found].meshletClass != classes[m]) found = stored[found].next;
-            if (found == kNone) {
-                if (out.vertexBytes + kBaseVertexBytes + ranges[m].bytes > std::numeric_limits<uint32_t>::max()) {
-                    return inputError(std::format("codec {}: the vertices exceed 4 GiB; use fewer vertices",
-                                                  differenceTraits(out.codec).name));
-                }
+            uint32_t place = newest[source];
+            while (place != kNone && found[place].meshletClass != classes[m]) place = found[place].next;
+            if (place == kNone) {
                 // pdc32 stores whole codes.
                 const uint32_t base = out.codec == DifferenceCodec::pdc32 ? 0 : ranges[m].base;
-                found = static_cast<uint32_t>(stored.size());
+                place = static_cast<uint32_t>(found.size());
                 out.copies += newest[source] != kNone;
-                stored.push_back({source, classes[m], static_cast<uint32_t>(out.vertexBytes), codes[source] - base,
-                                  ranges[m].bytes, newest[source]});
-                newest[source] = found;
-                out.vertexBytes += kBaseVertexBytes + ranges[m].bytes;
+                found.push_back({source, classes[m], codes[source] - base, ranges[m].bytes, newest[source]});
+                newest[source] = place;
             }
-            out.vertexOffsets[i] = stored[found].offset;
+            out.numbers[i] = place;
         }
+    }
+    const std::vector<uint32_t> numbers = numberByWidth(found, out);
+    if (out.vertexBytes > std::numeric_limits<uint32_t>::max()) {
+        return inputError(
+            std::format("codec {}: the vertices exceed 4 GiB; use fewer vertices", differenceTraits(out.codec).name));
+    }
+    for (uint32_t& number : out.numbers) number = numbers[number];
+    std::vector<StoredVertex> stored(found.size());
+    out.sources.resize(found.size());
+    for (size_t i = 0; i < found.size(); ++i) {
+        stored[numbers[i]] = found[i];
+        out.sources[numbers[i]] = found[i].source;
     }
     return stored;
 }
 
 // The mean of the distinct source weights: equal codes do not imply equal floats.
-glm::dvec4 meanWeights(const Mesh& mesh, std::span<const uint32_t> vertices) {
-    std::vector<uint32_t> distinct;
+glm::dvec4 meanWeights(const Mesh& mesh, std::vector<uint32_t>& vertices) {
+    const auto weights = [&](uint32_t v) -> const auto& { return mesh.influences[v].weights; };
+    std::ranges::sort(vertices, {}, weights);
+    const auto repeated = std::ranges::unique(vertices, {}, weights);
+    vertices.erase(repeated.begin(), repeated.end());
     glm::dvec4 sum(0);
-    for (const uint32_t v : vertices) {
-        const auto& w = mesh.influences[v].weights;
-        const bool seen =
-            std::any_of(distinct.begin(), distinct.end(), [&](uint32_t d) { return mesh.influences[d].weights == w; });
-        if (seen) continue;
-        distinct.push_back(v);
-        sum += glm::dvec4(w[0], w[1], w[2], w[3]);
-    }
-    return distinct.empty() ? glm::dvec4(1, 0, 0, 0) : sum / static_cast<double>(distinct.size());
+    for (const uint32_t v : vertices) sum += glm::dvec4(weights(v)[0], weights(v)[1], weights(v)[2], weights(v)[3]);
+    return sum / static_cast<double>(vertices.size());
 }
 
-std::array<uint32_t, 2> constantEntry(const Mesh& mesh, std::span<const uint32_t> vertices, uint32_t tuple) {
-    const glm::dvec4 w = meanWeights(mesh, vertices);
+std::array<uint32_t, 2> constantEntry(const glm::dvec4& w, uint32_t tuple) {
     std::array<uint32_t, 3> v{};
     for (int j = 2; j <= 4; ++j) {
         v[j - 2] = static_cast<uint32_t>(std::min(std::floor(j * w[j - 1] * kUnorm16 + 0.5), kUnorm16));
@@ -154,19 +176,34 @@ std::array<uint32_t, 2> constantEntry(const Mesh& mesh, std::span<const uint32_t
     return {tuple | v[0] << 16, v[1] | v[2] << 16};
 }
 
+// pdc32: one entry a code that fills a meshlet.
+std::vector<std::array<uint32_t, 2>> makeConstants(const Mesh& mesh, const MeshletMesh& meshlets,
+                                                   const BlendCodes& blend, const std::vector<CodeRange>& ranges) {
+    std::vector<std::array<uint32_t, 2>> extra(ranges.size(), {kReadVertex, 0});
+    std::unordered_map<uint32_t, std::vector<uint32_t>> verticesOfCode;
+    for (size_t m = 0; m < ranges.size(); ++m) {
+        if (ranges[m].bytes != 0) continue;
+        const auto vertices = verticesOf(meshlets, meshlets.meshlets[m]);
+        auto& all = verticesOfCode[ranges[m].base];
+        all.insert(all.end(), vertices.begin(), vertices.end());
+    }
+    std::unordered_map<uint32_t, std::array<uint32_t, 2>> entries;
+    for (auto& [code, vertices] : verticesOfCode) {
+        if (vertices.empty()) continue;
+        const uint32_t tuple = blend.tuple[vertices[0]];
+        entries[code] = constantEntry(meanWeights(mesh, vertices), tuple);
+    }
+    for (size_t m = 0; m < ranges.size(); ++m) {
+        if (ranges[m].bytes == 0 && meshlets.meshlets[m].vertexCount > 0) extra[m] = entries[ranges[m].base];
+    }
+    return extra;
+}
+
 std::vector<std::array<uint32_t, 2>> makeExtra(const Mesh& mesh, const MeshletMesh& meshlets, const BlendCodes& blend,
                                                const std::vector<CodeRange>& ranges, DifferenceCodec codec) {
-    std::vector<std::array<uint32_t, 2>> extra(ranges.size());
-    for (size_t m = 0; m < ranges.size(); ++m) {
-        const auto vertices = verticesOf(meshlets, meshlets.meshlets[m]);
-        if (codec != DifferenceCodec::pdc32) {
-            extra[m] = {ranges[m].base, ranges[m].bytes};
-        } else if (ranges[m].bytes != 0 || vertices.empty()) {
-            extra[m] = {kReadVertex, 0};
-        } else {
-            extra[m] = constantEntry(mesh, vertices, blend.tuple[vertices[0]]);
-        }
-    }
+    if (codec == DifferenceCodec::pdc32) return makeConstants(mesh, meshlets, blend, ranges);
+    std::vector<std::array<uint32_t, 2>> extra;
+    for (const CodeRange& range : ranges) extra.push_back({range.base, range.bytes});
     return extra;
 }
 
@@ -176,7 +213,8 @@ void writeVertices(const Mesh& mesh, const std::vector<StoredVertex>& stored, Di
     parallelRanges(stored.size(), [&](size_t begin, size_t end) {
         for (size_t i = begin; i < end; ++i) {
             const StoredVertex& v = stored[i];
-            const std::span<uint8_t> bytes(&out.vertices[v.offset], kBaseVertexBytes + v.bytes);
+            const std::span<uint8_t> bytes(&out.vertices[byteOffset(out, static_cast<uint32_t>(i), v.bytes)],
+                                           kBaseVertexBytes + v.bytes);
             writeBaseVertex(mesh, v.source, out.grids, bytes.first<kBaseVertexBytes>());
             writeBytes(bytes.subspan(kBaseVertexBytes), v.difference);
         }
@@ -212,16 +250,18 @@ Result<Place> findVertex(const DifferenceMesh& encoded, const MeshletMesh& meshl
     }
     const Meshlet& meshlet = meshlets.meshlets[m];
     const uint64_t reference = uint64_t{meshlet.firstVertex} + local;
-    if (local >= meshlet.vertexCount || reference >= encoded.vertexOffsets.size()) {
+    if (local >= meshlet.vertexCount || reference >= encoded.numbers.size()) {
         return inputError(std::format("encoded mesh: meshlet {} has no vertex {}", m, local));
     }
-    Place place{encoded.vertexOffsets[reference], 0, encoded.meshletExtra[m]};
+    Place place{0, 0, encoded.meshletExtra[m]};
     if (encoded.codec == DifferenceCodec::pdc32) {
         place.bytes = (place.extra[0] & 0xFFFF) == kReadVertex ? 4 : 0;
     } else {
         place.bytes = place.extra[1];
     }
-    if (place.bytes > 4 || uint64_t{place.offset} + kBaseVertexBytes + place.bytes > encoded.vertices.size()) {
+    if (place.bytes <= kMaxDifferenceBytes) place.offset = byteOffset(encoded, encoded.numbers[reference], place.bytes);
+    if (place.bytes > kMaxDifferenceBytes ||
+        uint64_t{place.offset} + kBaseVertexBytes + place.bytes > encoded.vertices.size()) {
         return inputError(std::format("encoded mesh: vertex {} of meshlet {} lies outside the buffer", local, m));
     }
     return place;

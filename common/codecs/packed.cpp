@@ -7,14 +7,11 @@
 
 #include "common/codecs/bytes.h"
 #include "common/codecs/parallel.h"
-#include "common/codecs/simplex.h"
 
 namespace skinbench {
 namespace {
 
 constexpr uint32_t kOssStride = kBaseVertexBytes + 4;
-constexpr uint32_t kUc16Stride = kBaseVertexBytes + 16;
-constexpr size_t kTuples16 = 65536;
 constexpr uint32_t kUnorm16 = 65535;
 
 // Fills every vertex with its base and what write(vertex, bytes behind the base) puts there.
@@ -68,6 +65,8 @@ Influences noInfluences() {
     return influences;
 }
 
+uint32_t uc16Stride(int influences) { return kBaseVertexBytes + 4 * static_cast<uint32_t>(influences); }
+
 uint32_t permutationStride(const PermutationCode& code) {
     return kBaseVertexBytes + (static_cast<uint32_t>(code.bits) + 7) / 8;
 }
@@ -95,23 +94,28 @@ DecodedVertex readBaseVertex(std::span<const uint8_t, 14> bytes, const VertexGri
     return vertex;
 }
 
-std::array<uint16_t, 4> weightsToUnorm16(std::span<const float, 4> weights) {
-    const double sum = double{weights[0]} + weights[1] + weights[2] + weights[3];
+std::array<uint16_t, kMaxInfluences> weightsToUnorm16(std::span<const float> weights) {
+    SKINBENCH_ASSERT(weights.size() >= 1 && weights.size() <= kMaxInfluences);
+    double sum = 0;
+    for (const float w : weights) sum += w;
     SKINBENCH_ASSERT(sum > 0);
-    std::array<uint32_t, 4> q{};
-    std::array<double, 4> remainder{};
-    std::array<uint8_t, 4> order{0, 1, 2, 3};
+    const size_t count = weights.size();
+    std::array<uint16_t, kMaxInfluences> q{};
+    std::array<double, kMaxInfluences> remainder{};
+    std::array<uint8_t, kMaxInfluences> order{};
     uint32_t left = kUnorm16;
-    for (int i = 0; i < 4; ++i) {
+    for (size_t i = 0; i < count; ++i) {
         const double exact = weights[i] / sum * kUnorm16;
-        q[i] = std::min(static_cast<uint32_t>(exact), left);
+        q[i] = static_cast<uint16_t>(std::min(static_cast<uint32_t>(exact), left));
         left -= q[i];
         remainder[i] = exact - q[i];
+        order[i] = static_cast<uint8_t>(i);
+        // Insertion keeps equal remainders in order: the heavier weight is rounded up.
+        for (size_t k = i; k > 0 && remainder[order[k]] > remainder[order[k - 1]]; --k)
+            std::swap(order[k], order[k - 1]);
     }
-    std::stable_sort(order.begin(), order.end(), [&](uint8_t a, uint8_t b) { return remainder[a] > remainder[b]; });
-    for (int i = 0; left > 0; i = (i + 1) % 4, --left) ++q[order[i]];
-    return {static_cast<uint16_t>(q[0]), static_cast<uint16_t>(q[1]), static_cast<uint16_t>(q[2]),
-            static_cast<uint16_t>(q[3])};
+    for (size_t i = 0; left > 0; i = (i + 1) % count, --left) ++q[order[i]];
+    return q;
 }
 
 Result<void> checkPackable(const Mesh& mesh, int influences) {
@@ -149,15 +153,19 @@ Influences blendInfluences(const PermutationCode& code, const PermutationBlend& 
     return influences;
 }
 
-Result<PackedVertices> packOss(const Mesh& mesh) {
+Result<PackedVertices> packOss(const Mesh& mesh) { return packSimplex(mesh, simplexCode16()); }
+
+Result<PackedVertices> packSimplex(const Mesh& mesh, const SimplexCode& code) {
+    SKINBENCH_ASSERT(code.bits >= 1 && code.bits <= kMaxSimplexBits32);
     if (const auto ok = checkPackable(mesh, 4); !ok) return std::unexpected(ok.error());
     const TupleTable table = reuseTuples(distinctTuples(mesh, 4));
-    if (const auto ok = checkTupleCount("oss", table.tuples.size(), kTuples16); !ok) return std::unexpected(ok.error());
-    const SimplexCode& code = simplexCode16();
+    const int tupleBits = 32 - code.bits;
+    const std::string name = code.bits == 16 ? "oss" : std::format("oss{}", code.bits);
+    if (const auto ok = checkTupleCount(name.c_str(), table.tuples.size(), size_t{1} << tupleBits); !ok)
+        return std::unexpected(ok.error());
     PackedVertices packed = packVertices(mesh, kOssStride, 4, [&](size_t v, std::span<uint8_t> out) {
         const auto& w = mesh.influences[v].weights;
-        writeBytes(out.first(2), table.vertexTuple[v]);
-        writeBytes(out.subspan(2), encodeSimplex(code, {w[0], w[1], w[2], w[3]}));
+        writeBytes(out, encodeSimplex(code, {w[0], w[1], w[2], w[3]}) << tupleBits | table.vertexTuple[v]);
     });
     packed.tuples = tupleWords(table);
     return packed;
@@ -182,25 +190,32 @@ Result<PackedVertices> packPermutation(const Mesh& mesh, const PermutationCode& 
     return packed;
 }
 
-Result<PackedVertices> packUc16(const Mesh& mesh) {
-    if (const auto ok = checkPackable(mesh, 4); !ok) return std::unexpected(ok.error());
-    return packVertices(mesh, kUc16Stride, 4, [&](size_t v, std::span<uint8_t> out) {
+Result<PackedVertices> packUc16(const Mesh& mesh, int influences) {
+    if (const auto ok = checkPackable(mesh, influences); !ok) return std::unexpected(ok.error());
+    const size_t width = 2 * static_cast<size_t>(influences);
+    return packVertices(mesh, uc16Stride(influences), influences, [&](size_t v, std::span<uint8_t> out) {
         const Influences& source = mesh.influences[v];
-        const auto weights = weightsToUnorm16(std::span(source.weights).first<4>());
-        for (size_t i = 0; i < 4; ++i) {
+        const auto weights = weightsToUnorm16(std::span(source.weights).first(width / 2));
+        for (size_t i = 0; i < width / 2; ++i) {
             // Joint 0 with weight 0, so that reading the palette needs no test.
             writeBytes(out.subspan(2 * i, 2), source.joints[i] == kNoJoint ? 0 : source.joints[i]);
-            writeBytes(out.subspan(8 + 2 * i, 2), weights[i]);
+            writeBytes(out.subspan(width + 2 * i, 2), weights[i]);
         }
     });
 }
 
 Result<DecodedVertex> readOss(const PackedVertices& packed, uint32_t vertex) {
+    return readSimplex(packed, simplexCode16(), vertex);
+}
+
+Result<DecodedVertex> readSimplex(const PackedVertices& packed, const SimplexCode& code, uint32_t vertex) {
     const auto bytes = vertexBytes(packed, vertex, kOssStride);
     if (!bytes) return std::unexpected(bytes.error());
-    const auto tuple = tupleAt(packed, static_cast<uint32_t>(readBytes(bytes->subspan(14, 2))), 4);
+    const uint32_t blend = static_cast<uint32_t>(readBytes(bytes->subspan(kBaseVertexBytes)));
+    const int tupleBits = 32 - code.bits;
+    const auto tuple = tupleAt(packed, blend & ((1u << tupleBits) - 1), 4);
     if (!tuple) return std::unexpected(tuple.error());
-    const auto weights = decodeSimplex(simplexCode16(), readBytes(bytes->subspan(16, 2)));
+    const auto weights = decodeSimplex(code, blend >> tupleBits);
     if (!weights) return std::unexpected(weights.error());
     DecodedVertex result = readBaseVertex(bytes->first<kBaseVertexBytes>(), packed.grids);
     for (int i = 0; i < 4; ++i) setInfluence(result.influences, i, (*weights)[i], (*tuple)[i]);
@@ -224,13 +239,14 @@ Result<DecodedVertex> readPermutation(const PackedVertices& packed, const Permut
 }
 
 Result<DecodedVertex> readUc16(const PackedVertices& packed, uint32_t vertex) {
-    const auto bytes = vertexBytes(packed, vertex, kUc16Stride);
+    const auto bytes = vertexBytes(packed, vertex, uc16Stride(packed.influences));
     if (!bytes) return std::unexpected(bytes.error());
     DecodedVertex result = readBaseVertex(bytes->first<kBaseVertexBytes>(), packed.grids);
-    for (int i = 0; i < 4; ++i) {
-        const uint64_t joint = readBytes(bytes->subspan(kBaseVertexBytes + 2 * i, 2));
-        const uint64_t weight = readBytes(bytes->subspan(kBaseVertexBytes + 8 + 2 * i, 2));
-        setInfluence(result.influences, i, static_cast<float>(weight) / kUnorm16, static_cast<uint16_t>(joint));
+    const auto joints = bytes->subspan(kBaseVertexBytes);
+    const auto weights = joints.subspan(2 * static_cast<size_t>(packed.influences));
+    for (int i = 0; i < packed.influences; ++i) {
+        const auto joint = static_cast<uint16_t>(readBytes(joints.subspan(2 * i, 2)));
+        setInfluence(result.influences, i, static_cast<float>(readBytes(weights.subspan(2 * i, 2))) / kUnorm16, joint);
     }
     return result;
 }

@@ -6,9 +6,11 @@
 //   6 u16 u    8 u16 v                 octahedral normal
 //  10 u16 tu  12 u16 tv                texture coordinate, q / 65535 * extent + min
 //
-//   oss   18 bytes: base, 14 u16 tuple index, 16 u16 simplex code of 16 bits
+//   oss   18 bytes: base, 14 u16 tuple index, 16 u16 simplex code of 16 bits; in general 14 u32 with a code of b bits
+//         above a tuple index of 32 - b bits
 //   pc    18 bytes: base, 14 u32 permutation code (kPermutationPc)
 //   uc16  30 bytes: base, 14 u16 joints[4], 22 unorm16 weights[4] that sum to exactly 65535
+//         46 bytes with 8 influences: base, 14 u16 joints[8], 30 unorm16 weights[8]
 #pragma once
 
 #include <cstdint>
@@ -17,6 +19,7 @@
 
 #include "common/codecs/attributes.h"
 #include "common/codecs/permutation.h"
+#include "common/codecs/simplex.h"
 #include "common/codecs/tuples.h"
 #include "common/scene.h"
 
@@ -47,13 +50,14 @@ void writeBaseVertex(const Mesh& mesh, size_t vertex, const VertexGrids& grids, 
 // Position, normal and texture coordinate; no influences.
 DecodedVertex readBaseVertex(std::span<const uint8_t, 14> bytes, const VertexGrids& grids);
 
-// Four unorm16 that sum to exactly 65535, descending as the weights do: largest remainders. Weights sum to more than 0.
-std::array<uint16_t, 4> weightsToUnorm16(std::span<const float, 4> weights);
+// Unorm16 that sum to exactly 65535, descending as the 1 to 8 weights do: largest remainders. Weights sum to more than
+// 0; places behind them are 0.
+std::array<uint16_t, kMaxInfluences> weightsToUnorm16(std::span<const float> weights);
 
 struct PackedVertices {
     uint32_t vertexCount = 0;
     uint32_t stride = 0;  // bytes
-    int influences = 4;   // u16 a tuple in `tuples`
+    int influences = 4;   // u16 a tuple in `tuples`; joints of a uc16 vertex
     VertexGrids grids;
     std::vector<uint8_t> vertices;  // vertexCount * stride, filled up with zeros to a multiple of 4
     std::vector<uint16_t> tuples;   // tuple after tuple, kNoJoint where unused; empty for uc16
@@ -63,13 +67,17 @@ struct PackedVertices {
 // 65536 tuples after reuse; the error names count and limit.
 Result<PackedVertices> packOss(const Mesh& mesh);
 Result<PackedVertices> packPc(const Mesh& mesh);
-Result<PackedVertices> packUc16(const Mesh& mesh);
+Result<PackedVertices> packUc16(const Mesh& mesh, int influences = 4);
+
+// oss with a code of 1 to 26 bits: 2^(32 - bits) tuples after reuse.
+Result<PackedVertices> packSimplex(const Mesh& mesh, const SimplexCode& code);
 
 // pc with another code: N + 1 influences (2 to 8), ceil(bits / 8) bytes behind the base.
 Result<PackedVertices> packPermutation(const Mesh& mesh, const PermutationCode& code);
 
 // Reads one vertex back. Fails on a vertex out of range, a code that no encoder makes, a tuple out of range.
 Result<DecodedVertex> readOss(const PackedVertices& packed, uint32_t vertex);
+Result<DecodedVertex> readSimplex(const PackedVertices& packed, const SimplexCode& code, uint32_t vertex);
 Result<DecodedVertex> readPc(const PackedVertices& packed, uint32_t vertex);
 Result<DecodedVertex> readUc16(const PackedVertices& packed, uint32_t vertex);
 Result<DecodedVertex> readPermutation(const PackedVertices& packed, const PermutationCode& code, uint32_t vertex);

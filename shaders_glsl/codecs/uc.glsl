@@ -12,15 +12,14 @@
 
 layout(std430, binding = SLOT_VERTEX) readonly restrict buffer VertexBlock { uvec4 vertexQuads[]; };
 
-// `place` counts vertices over all copies.
-Vertex loadVertex(uint place) {
+Vertex loadVertex(uint place, uint copyNumber) {
     uint first = place * UC_QUADS;
     vec4 a = uintBitsToFloat(vertexQuads[first]);
     vec4 b = uintBitsToFloat(vertexQuads[first + 1u]);
     Vertex vertex;
-    vertex.position = a.xyz;
-    vertex.normal = vec3(a.w, b.xy);
-    vertex.uv = b.zw;
+    vertex.position = vec3(a);
+    vertex.normal = vec3(a.w, b.x, b.y);
+    vertex.uv = vec2(b.z, b.w);
     vertex.joints0 = vertexQuads[first + 2u];
     vertex.weights0 = uintBitsToFloat(vertexQuads[first + 3u]);
 #if INFLUENCES == 8

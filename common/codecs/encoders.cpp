@@ -1,0 +1,222 @@
+// Rows of codecs(): packed vertices as the buffers and defines that shaders_glsl/codecs/ reads.
+#include <algorithm>
+#include <bit>
+#include <format>
+#include <limits>
+#include <span>
+
+#include "common/codec.h"
+#include "common/codecs/differences.h"
+#include "common/codecs/packed.h"
+#include "common/codecs/parallel.h"
+
+namespace skinbench {
+namespace {
+
+// Bits instead of digits: every compiler reads them as the same float.
+std::string floatsText(std::span<const float> values) {
+    std::string text = std::format("uintBitsToFloat(uvec{}(", values.size());
+    for (size_t i = 0; i < values.size(); ++i)
+        text += std::format("{}{:#x}u", i == 0 ? "" : ", ", std::bit_cast<uint32_t>(values[i]));
+    return text + "))";
+}
+
+std::string listText(std::span<const uint32_t> values) {
+    std::string text;
+    for (size_t i = 0; i < values.size(); ++i) text += std::format("{}{}u", i == 0 ? "{" : ", ", values[i]);
+    return text + "}";
+}
+
+// `bytes` is the size of the largest vertex, `alignment` a power of two that divides every vertex's place, at most 4.
+Defines packedDefines(const VertexGrids& grids, size_t bufferBytes, uint32_t bytes, uint32_t alignment) {
+    return {{"POSITION_MIN", floatsText(std::span(&grids.position.min.x, 3))},
+            {"POSITION_EXTENT", floatsText(std::span(&grids.position.extent.x, 3))},
+            {"UV_MIN", floatsText(std::span(&grids.uv.min.x, 2))},
+            {"UV_EXTENT", floatsText(std::span(&grids.uv.extent.x, 2))},
+            {"BUFFER_WORDS", std::to_string(bufferBytes / 4)},
+            {"VERTEX_BYTES", std::to_string(bytes)},
+            {"VERTEX_ALIGNMENT", std::to_string(alignment)}};
+}
+
+void addDefines(Defines& defines, const Defines& more) { defines.insert(defines.end(), more.begin(), more.end()); }
+
+Defines permutationDefines(const PermutationCode& code) {
+    return {{"PC_BITS", std::to_string(code.bits)},
+            {"PC_VALUES", std::to_string(code.values)},
+            {"PC_EXTRA", listText(std::span(code.extra).first(code.entries))}};
+}
+
+// Joint 0 in unused places: their weight is 0, so reading the palette needs no test.
+Bytes tupleBytes(std::vector<uint16_t> tuples) {
+    std::ranges::replace(tuples, kNoJoint, uint16_t{0});
+    return toBytes(tuples);
+}
+
+uint32_t tupleCount(const std::vector<uint16_t>& tuples, int influences) {
+    return static_cast<uint32_t>(tuples.size() / static_cast<size_t>(influences));
+}
+
+// Every vertex through read(v), which cannot fail on what an encoder made.
+template <class Read>
+Mesh readVertices(uint32_t count, const Read& read) {
+    Mesh mesh;
+    mesh.positions.resize(count);
+    mesh.normals.resize(count);
+    mesh.uvs.resize(count);
+    mesh.influences.resize(count);
+    parallelRanges(count, [&](size_t begin, size_t end) {
+        for (size_t v = begin; v < end; ++v) {
+            const Result<DecodedVertex> vertex = read(static_cast<uint32_t>(v));
+            SKINBENCH_ASSERT(vertex.has_value());
+            mesh.positions[v] = vertex->position;
+            mesh.normals[v] = vertex->normal;
+            mesh.uvs[v] = vertex->uv;
+            mesh.influences[v] = vertex->influences;
+        }
+    });
+    return mesh;
+}
+
+template <class Read>
+Result<EncodedMesh> encodePacked(Result<PackedVertices> packed, const Defines& more, const Read& read) {
+    if (!packed) return std::unexpected(packed.error());
+    if (packed->vertices.size() > std::numeric_limits<uint32_t>::max())
+        return inputError("packed vertices: one copy exceeds 4 GiB; use fewer vertices");
+    EncodedMesh encoded;
+    encoded.vertexCount = packed->vertexCount;
+    encoded.vertices = toBytes(packed->vertices);
+    if (!packed->tuples.empty()) encoded.tuples = tupleBytes(packed->tuples);
+    const uint32_t alignment = 1u << std::min(2, std::countr_zero(packed->stride));
+    encoded.defines = packedDefines(packed->grids, packed->vertices.size(), packed->stride, alignment);
+    encoded.defines.emplace_back("TUPLE_COUNT", std::to_string(tupleCount(packed->tuples, packed->influences)));
+    addDefines(encoded.defines, more);
+    encoded.decode = [kept = std::make_shared<const PackedVertices>(std::move(*packed)), read] {
+        return readVertices(kept->vertexCount, [&](uint32_t v) { return read(*kept, v); });
+    };
+    return encoded;
+}
+
+std::unexpected<Error> onlyFour(const char* codec) {
+    return inputError(std::format("codec {} holds 4 influences a vertex; choose 4 influences, uc, uc16 or pc", codec));
+}
+
+Result<EncodedMesh> encodeSimplexBits(const char* name, const Mesh& mesh, int influences, int bits) {
+    if (influences != 4) return onlyFour(name);
+    const Result<SimplexCode> code = makeSimplexCode(bits);
+    if (!code) return std::unexpected(code.error());
+    return encodePacked(packSimplex(mesh, *code),
+                        {{"OSS_BITS", std::to_string(bits)}, {"OSS_POINTS", std::to_string(code->n)}},
+                        [code = *code](const PackedVertices& p, uint32_t v) { return readSimplex(p, code, v); });
+}
+
+Result<EncodedMesh> encodePermutationCode(const Mesh& mesh, const PermutationCode& code) {
+    return encodePacked(packPermutation(mesh, code), permutationDefines(code),
+                        [code](const PackedVertices& p, uint32_t v) { return readPermutation(p, code, v); });
+}
+
+// A meshlet and a local number that refer to each stored vertex.
+std::vector<std::array<uint32_t, 2>> referencesOf(const MeshletMesh& meshlets, const DifferenceMesh& stored) {
+    std::vector<std::array<uint32_t, 2>> references(stored.vertexCount);
+    for (size_t m = meshlets.meshlets.size(); m-- > 0;) {
+        const Meshlet& meshlet = meshlets.meshlets[m];
+        for (uint32_t local = 0; local < meshlet.vertexCount; ++local)
+            references[stored.numbers[meshlet.firstVertex + local]] = {static_cast<uint32_t>(m), local};
+    }
+    return references;
+}
+
+Defines differenceDefines(const DifferenceMesh& stored) {
+    const DifferenceTraits& traits = differenceTraits(stored.codec);
+    Defines defines = packedDefines(stored.grids, stored.vertices.size(), kBaseVertexBytes + kMaxDifferenceBytes,
+                                    traits.granularity == 8 ? 1 : 2);
+    addDefines(defines, permutationDefines(traits.code));
+    addDefines(defines, {{"TUPLE_COUNT", std::to_string(tupleCount(stored.tuples, 4))},
+                         {"MOST_TUPLES", std::to_string(traits.maxTuples)},
+                         {"SECTIONS", listText(stored.sections)}});
+    return defines;
+}
+
+Result<EncodedMesh> encodeDifferenceCodec(const char* name, const Mesh& mesh, const MeshletMesh* meshlets,
+                                          int influences, DifferenceCodec codec) {
+    if (influences != 4) return onlyFour(name);
+    if (meshlets == nullptr) return inputError(std::format("codec {} needs meshlets; choose a route with them", name));
+    Result<DifferenceMesh> stored = encodeDifferences(mesh, *meshlets, codec);
+    if (!stored) return std::unexpected(stored.error());
+    EncodedMesh encoded;
+    encoded.vertexCount = stored->vertexCount;
+    encoded.vertices = toBytes(stored->vertices);
+    encoded.tuples = tupleBytes(stored->tuples);
+    encoded.meshletExtra = toBytes(stored->meshletExtra);
+    encoded.meshlets = *meshlets;
+    encoded.meshlets->vertices = stored->numbers;
+    encoded.defines = differenceDefines(*stored);
+    encoded.sources = stored->sources;
+    // The copy of the meshlets holds vertex numbers, which reading back does not look at.
+    encoded.decode = [kept = std::make_shared<const DifferenceMesh>(std::move(*stored)),
+                      cut = std::make_shared<const MeshletMesh>(*encoded.meshlets)] {
+        const auto references = referencesOf(*cut, *kept);
+        return readVertices(kept->vertexCount, [&](uint32_t v) {
+            return decodeDifference(*kept, *cut, references[v][0], references[v][1]);
+        });
+    };
+    return encoded;
+}
+
+}  // namespace
+
+Result<EncodedMesh> encodeUc16(const Mesh& mesh, const MeshletMesh*, int influences) {
+    return encodePacked(packUc16(mesh, influences), {}, readUc16);
+}
+
+Result<EncodedMesh> encodeOss16(const Mesh& mesh, const MeshletMesh*, int influences) {
+    return encodeSimplexBits("oss", mesh, influences, 16);
+}
+
+Result<EncodedMesh> encodeOss22(const Mesh& mesh, const MeshletMesh*, int influences) {
+    return encodeSimplexBits("oss22", mesh, influences, 22);
+}
+
+Result<EncodedMesh> encodePc(const Mesh& mesh, const MeshletMesh*, int influences) {
+    if (influences == 4) return encodePermutationCode(mesh, kPermutationPc);
+    static const Result<PermutationCode> eight = configurePermutation(8, kPermutationPc.tuples, 64);
+    SKINBENCH_ASSERT(influences == 8 && eight.has_value());
+    return encodePermutationCode(mesh, *eight);
+}
+
+template <int bits>
+Result<EncodedMesh> encodePcBits(const Mesh& mesh, const MeshletMesh*, int influences) {
+    if (const auto ok = checkPackable(mesh, influences); !ok) return std::unexpected(ok.error());
+    const size_t tuples = reuseTuples(distinctTuples(mesh, influences)).tuples.size();
+    const Result<PermutationCode> code = configurePermutation(influences, std::max<size_t>(tuples, 1), bits);
+    if (!code) return std::unexpected(code.error());
+    return encodePermutationCode(mesh, *code);
+}
+
+template Result<EncodedMesh> encodePcBits<16>(const Mesh&, const MeshletMesh*, int);
+template Result<EncodedMesh> encodePcBits<24>(const Mesh&, const MeshletMesh*, int);
+template Result<EncodedMesh> encodePcBits<32>(const Mesh&, const MeshletMesh*, int);
+template Result<EncodedMesh> encodePcBits<40>(const Mesh&, const MeshletMesh*, int);
+template Result<EncodedMesh> encodePcBits<48>(const Mesh&, const MeshletMesh*, int);
+template Result<EncodedMesh> encodePcBits<56>(const Mesh&, const MeshletMesh*, int);
+template Result<EncodedMesh> encodePcBits<64>(const Mesh&, const MeshletMesh*, int);
+
+Result<EncodedMesh> encodePdc8(const Mesh& mesh, const MeshletMesh* meshlets, int influences) {
+    return encodeDifferenceCodec("pdc8", mesh, meshlets, influences, DifferenceCodec::pdc8);
+}
+
+Result<EncodedMesh> encodePdc16(const Mesh& mesh, const MeshletMesh* meshlets, int influences) {
+    return encodeDifferenceCodec("pdc16", mesh, meshlets, influences, DifferenceCodec::pdc16);
+}
+
+Result<EncodedMesh> encodePdc32(const Mesh& mesh, const MeshletMesh* meshlets, int influences) {
+    return encodeDifferenceCodec("pdc32", mesh, meshlets, influences, DifferenceCodec::pdc32);
+}
+
+Result<EncodedMesh> encodeDpdc16(const Mesh& mesh, const MeshletMesh* meshlets, int influences) {
+    auto encoded = encodeDifferenceCodec("dpdc16", mesh, meshlets, influences, DifferenceCodec::dpdc16);
+    if (encoded || meshlets == nullptr || influences != 4) return encoded;
+    auto wider = encodeDifferenceCodec("dpdc16", mesh, meshlets, influences, DifferenceCodec::dpdc16Mixed);
+    return wider ? wider : encoded;
+}
+
+}  // namespace skinbench

@@ -1,0 +1,22 @@
+// Meshlet differences (Kimmersdorfer 2.2, common/codecs/differences.h): vertices of 14 bytes with 0 to 4 bytes of blend
+// code behind, numbered by that width, and two words a meshlet.
+#define CODEC_PER_MESHLET 1
+
+layout(std430, binding = SLOT_MESHLET_EXTRA) readonly restrict buffer MeshletExtraBlock { uvec2 meshletExtra[]; };
+
+// By width; modulo 2^32.
+const uint sections[5] = SECTIONS;
+
+PackedVertex loadWidth(uint place, uint copyNumber, uint width) {
+    uint number = place - copyNumber * uint(VERTEX_COUNT);
+    return loadPacked(copyNumber, sections[width] + number * (14u + width), 14u + width);
+}
+
+uvec2 loadMeshletExtra(uint meshletNumber, uint copyNumber) {
+    return meshletExtra[copyNumber * uint(MESHLET_COUNT) + meshletNumber];
+}
+
+// The `width` bytes behind the base.
+uint blendBytes(PackedVertex stored, uint width) {
+    return bitfieldExtract(highHalf(stored.words[3]) | stored.words[4] << 16u, 0, int(8u * width));
+}
