@@ -50,9 +50,13 @@ Choice chooseRoute(const std::vector<DeviceCaps>& devices);
 struct Selectors {
     std::string scene = "builtin:biped";
     std::vector<std::string> routes, variants, codecs, builders, layouts, rasters, fetches, submissions, indexWrites;
-    std::vector<std::string> meshlets;  // "64/124"
-    std::vector<int> influences;        // empty: 4
-    std::vector<uint32_t> groupSizes;   // empty: 32
+    std::vector<std::string> culls, exchanges, scenarios, joints, loads, records, palettes;
+    std::vector<std::string> ciGroupings, ciKeys, ciVertices;
+    std::vector<uint32_t> ciMins;        // empty: the default
+    std::vector<uint32_t> paletteSlots;  // empty: the default
+    std::vector<std::string> meshlets;   // "64/124" or the name of such a pair
+    std::vector<int> influences;         // empty: 4
+    std::vector<uint32_t> groupSizes;    // empty: 32
     std::string geometry = "welded";
     bool noCacheOrder = false;
     bool keepBackFaces = false;
@@ -68,9 +72,6 @@ struct Selectors {
     std::string device;
     bool validation = false;
 };
-
-// Names of a list's words, for help texts and messages.
-std::string selectorWords(const std::string& option);
 
 // The crossed cases, without combinations that exist on no device (a mesh variant on a route without mesh shaders).
 // A word that is in no table is an error that lists the table.
@@ -107,6 +108,20 @@ struct RenderOptions {
     float yaw = 25;  // degrees that a single character is turned by
 };
 int runRender(const RenderOptions& options);
+
+struct InspectOptions {
+    Selectors selectors;  // scene, meshlets, influences, ciKeys, ciMins
+    bool json = false;
+};
+int runInspect(const InspectOptions& options);
+
+struct PartitionOptions {
+    std::string scene, hardware = "generic", solver = "cheapest-insertion", order = "given";
+    uint32_t slots = 0;  // of generic; 0: its default
+    int influences = 4;
+    bool json = false;
+};
+int runPartition(const PartitionOptions& options);
 
 int runSceneList(bool json);
 int runSceneExport(const std::string& name, const std::string& out);

@@ -18,6 +18,7 @@ Json routesJson(const DeviceCaps& caps) {
         for (const Variant& variant : variants()) {
             if (!runsOn(variant, route)) continue;
             Case which;
+            which.codec = findCodec("uc");
             which.route = &route;
             which.variant = &variant;
             const auto reason = unsupported(which, caps);

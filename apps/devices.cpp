@@ -67,6 +67,7 @@ Choice chooseRoute(const std::vector<DeviceCaps>& devices) {
     for (bool software : {false, true})
         for (const Wish& wish : wishes) {
             Case which;
+            which.codec = findCodec("uc");
             which.route = findRoute(wish.route);
             which.variant = findVariant(wish.variant);
             for (const DeviceCaps& caps : devices)

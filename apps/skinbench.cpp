@@ -2,12 +2,13 @@
 #include <CLI/CLI.hpp>
 
 #include <algorithm>
-#include <csignal>
 #include <cmath>
+#include <csignal>
 #include <iostream>
 #include <new>
 
-#include "apps/apps.h"
+#include "apps/selectors.h"
+#include "common/partition.h"
 #include "common/version.h"
 
 namespace skinbench {
@@ -35,14 +36,26 @@ void addLists(CLI::App& command, Selectors& s) {
     };
     list("routes", s.routes, ", or auto (default: all)");
     list("variants", s.variants, " (default: all)");
-    list("codecs", s.codecs, " (default: all)");
+    list("codecs", s.codecs, " (default: uc)");
     list("builders", s.builders, " (default: meshopt)");
     list("layouts", s.layouts, " (default: redirect)");
     list("raster", s.rasters, " (default: full)");
     list("vertex-fetch", s.fetches, " (default: both)");
     list("submission", s.submissions, " (default: per-copy)");
     list("index-writes", s.indexWrites, ", on NV routes (default: packed)");
-    list("meshlets", s.meshlets, "VERTICES/TRIANGLES at the most (default: 64/124)");
+    list("meshlets", s.meshlets, ", or VERTICES/TRIANGLES at the most (default: 64/124)");
+    list("cull", s.culls, ": back faces, in the mesh stage (default: off)");
+    list("exchange", s.exchanges, ": how culling lanes see each other's positions (default: auto)");
+    list("scenario", s.scenarios, " (default: direct)");
+    list("joints", s.joints, ": where meshlet vertices name joints (default: vertex)");
+    list("loads", s.loads, ", of mesh stages (default: guarded)");
+    list("records", s.records, ", of mesh stages (default: indexed)");
+    list("palette", s.palettes, ", of mesh stages (default: storage)");
+    list("ci-grouping", s.ciGroupings, ", of mesh-ci (default: meshlets)");
+    list("ci-key", s.ciKeys, ", of grouping triangles (default: fit)");
+    list("ci-vertices", s.ciVertices, ", of mesh-ci (default: slim)");
+    list("palette-slots", s.paletteSlots, "joints of one draw of the variant palette (default: 32)");
+    list("ci-min", s.ciMins, "fewest vertices of a common meshlet or group");
     list("influences", s.influences, "4, 8 (default: 4)");
     list("group-size", s.groupSizes, "invocations of a mesh work group (default: 32)");
 }
@@ -50,7 +63,7 @@ void addLists(CLI::App& command, Selectors& s) {
 void addSelectors(CLI::App& command, Selectors& s) {
     command.add_option("scene", s.scene, "a .gltf or .glb file, or builtin:NAME[:VERTICES]")->capture_default_str();
     addLists(command, s);
-    command.add_option("--geometry", s.geometry, selectorWords("geometry"))->capture_default_str();
+    command.add_option("--geometry", s.geometry, geometryWords())->capture_default_str();
     command.add_flag("--no-cache-order", s.noCacheOrder, "keep the file's triangle order");
     command.add_flag("--keep-back-faces", s.keepBackFaces, "draw without the rasteriser's back-face culling");
     command.add_option("--clip", s.clip, "name of the animation, or none (default: the first)");
@@ -70,7 +83,7 @@ void addSelectors(CLI::App& command, Selectors& s) {
     command.add_option("--rounds", s.rounds, "rounds that share the frames (default: by device)")
         ->check(CLI::Range(1u, 1'000u));
     command.add_option("--size", s.size, "WIDTHxHEIGHT of the image")->capture_default_str();
-    command.add_option("--preset", s.preset, selectorWords("preset") + ": copies, frames and raster modes");
+    command.add_option("--preset", s.preset, presetWords() + ": copies, frames and raster modes");
     command.add_option("--seed", s.seed, "of the order of cases")->capture_default_str();
     command.add_option("--device", s.device, "number or part of the name; see probe");
     command.add_flag("--validation", s.validation, "validation layers and debug output; a message fails its case");
@@ -127,6 +140,21 @@ void addRender(CLI::App& program, int& status) {
     command->callback([options, &status] { status = runRender(*options); });
 }
 
+void addInspect(CLI::App& program, int& status) {
+    auto options = std::make_shared<InspectOptions>();
+    CLI::App* command = program.add_subcommand("inspect", "a scene's meshlets, codec errors and buffer sizes");
+    Selectors& s = options->selectors;
+    command->add_option("scene", s.scene, "a .gltf or .glb file, or builtin:NAME[:VERTICES]")->required();
+    command->add_option("--meshlets", s.meshlets, "VERTICES/TRIANGLES at the most (default: 64/124)")->expected(1);
+    command->add_option("--influences", s.influences, "4 or 8 (default: 4)")->expected(1);
+    command->add_option("--ci-key", s.ciKeys, selectorWords("ci-key") + " (default: ordered, fit)")
+        ->delimiter(',')
+        ->allow_extra_args(false);
+    command->add_option("--ci-min", s.ciMins, "fewest vertices of a common meshlet or group")->expected(1);
+    command->add_flag("--json", options->json, "print JSON");
+    command->callback([options, &status] { status = runInspect(*options); });
+}
+
 void addScene(CLI::App& program, int& status) {
     struct Options {
         bool json = false;
@@ -142,6 +170,22 @@ void addScene(CLI::App& program, int& status) {
     save->add_option("name", options->name, "NAME, builtin:NAME[:VERTICES] or a glTF file")->required();
     save->add_option("out", options->out, "the .glb file")->required();
     save->callback([options, &status] { status = runSceneExport(options->name, options->out); });
+}
+
+void addPartition(CLI::App& program, int& status) {
+    auto options = std::make_shared<PartitionOptions>();
+    CLI::App* command = program.add_subcommand("partition", "draw lists for hardware with few palette slots");
+    command->add_option("scene", options->scene, "a .gltf or .glb file, or builtin:NAME[:VERTICES]")->required();
+    command->add_option("--hardware", options->hardware, tableNames(paletteHardware()))->capture_default_str();
+    command->add_option("--slots", options->slots, "joints that a draw of generic hardware reaches")
+        ->default_str(std::to_string(findPaletteHardware("generic")->slots))
+        ->check(CLI::Range(1u, 65'535u));
+    command->add_option("--solver", options->solver, tableNames(partitionSolvers()))->capture_default_str();
+    command->add_option("--order", options->order, "of the groups: " + tableNames(groupOrders()))
+        ->capture_default_str();
+    command->add_option("--influences", options->influences, "4 or 8")->capture_default_str();
+    command->add_flag("--json", options->json, "print JSON with the command list");
+    command->callback([options, &status] { status = runPartition(*options); });
 }
 
 void addReport(CLI::App& program, int& status) {
@@ -166,7 +210,9 @@ int runProgram(int argc, char** argv) {
     addRun(program, status, true);
     addRun(program, status, false);
     addRender(program, status);
+    addInspect(program, status);
     addScene(program, status);
+    addPartition(program, status);
     addReport(program, status);
     try {
         program.parse(argc, argv);

@@ -53,8 +53,8 @@ private:
     double uploadSkinned(const GlStream& stream, const FrameInput& input);
     void recordFrame(const GlPlan& plan, size_t frame);
     void drawMesh(const GlPlan& plan, const LinkedProgram& program, uint32_t groups);
-    void issueDraws(const GlPlan& plan, const Pass& pass);
-    void recordPass(const GlPlan& plan, const Pass& pass, const GLuint* queries);
+    void issueDraws(const GlPlan& plan, const Pass& pass, size_t frame);
+    void recordPass(const GlPlan& plan, const Pass& pass, size_t frame, const GLuint* queries);
     void readPasses(const GlPlan& plan, std::vector<Timing>& timings);
 
     std::unique_ptr<Context> context_;  // first, so that it goes last
@@ -78,7 +78,7 @@ GlBackend::GlBackend(std::unique_ptr<Context> context, Staging staging)
         glGetIntegerv(name, &value);
         return static_cast<GLuint>(std::max(value, 1));
     };
-    paletteAlignment_ = get(GL_SHADER_STORAGE_BUFFER_OFFSET_ALIGNMENT);
+    paletteAlignment_ = std::max(get(GL_SHADER_STORAGE_BUFFER_OFFSET_ALIGNMENT), GLuint{kPaletteAlignment});
     constantsAlignment_ = get(GL_UNIFORM_BUFFER_OFFSET_ALIGNMENT);
     storageBindings_ = get(GL_MAX_SHADER_STORAGE_BUFFER_BINDINGS);
 }
@@ -174,7 +174,9 @@ Result<void> GlBackend::reserve(FrameBuffer& frame, uint64_t bytes, GLuint align
 Result<void> GlBackend::uploadFrames(const GlPlan& plan, std::span<const FrameInput> frames) {
     if (auto made = reserve(constants_, sizeof(FrameConstants), constantsAlignment_, frames.size(), plan); !made)
         return made;
-    if (auto made = reserve(palettes_, plan.paletteBytes, paletteAlignment_, frames.size(), plan); !made) return made;
+    // A range may reach past the last palette of a frame, but not past the buffer.
+    const uint64_t bytes = std::max<uint64_t>(plan.paletteBytes, plan.paletteRange);
+    if (auto made = reserve(palettes_, bytes, paletteAlignment_, frames.size(), plan); !made) return made;
     for (size_t i = 0; i < frames.size(); ++i) {
         staging_.write(constants_.buffer, i * constants_.stride, std::as_bytes(std::span(&frames[i].constants, 1)));
         staging_.write(palettes_.buffer, i * palettes_.stride, frames[i].palette);
@@ -198,7 +200,7 @@ void GlBackend::bindStreams(const GlPlan& plan) {
 void GlBackend::bindFrame(const GlPlan& plan, size_t frame) {
     glBindBufferRange(GL_UNIFORM_BUFFER, SLOT_FRAME, constants_.buffer.id(),
                       static_cast<GLintptr>(frame * constants_.stride), sizeof(FrameConstants));
-    if (plan.paletteBytes > 0)
+    if (plan.paletteBytes > 0 && plan.paletteRange == 0)
         glBindBufferRange(GL_SHADER_STORAGE_BUFFER, SLOT_PALETTE, palettes_.buffer.id(),
                           static_cast<GLintptr>(frame * palettes_.stride), static_cast<GLsizeiptr>(plan.paletteBytes));
 }
@@ -244,9 +246,12 @@ void GlBackend::drawMesh(const GlPlan& plan, const LinkedProgram& program, uint3
     context_->drawMeshTasksExt(groups, 1, 1);
 }
 
-void GlBackend::issueDraws(const GlPlan& plan, const Pass& pass) {
+void GlBackend::issueDraws(const GlPlan& plan, const Pass& pass, size_t frame) {
     const LinkedProgram& program = plan.programs[pass.program].linked;
     for (const Draw& draw : pass.draws) {
+        if (plan.paletteRange)
+            glBindBufferRange(GL_UNIFORM_BUFFER, SLOT_PALETTE, palettes_.buffer.id(),
+                              static_cast<GLintptr>(frame * palettes_.stride + draw.paletteOffset), plan.paletteRange);
         if (program.constants >= 0) glUniform4uiv(program.constants, 1, draw.constants.data());
         switch (pass.kind) {
             case PassKind::dispatch:
@@ -269,7 +274,7 @@ void GlBackend::issueDraws(const GlPlan& plan, const Pass& pass) {
 // do by draining the pipeline. So the first timestamp follows the clear and the pass before, and the second one the
 // last pixel. What remains is that the head of a pass may overlap the tail of a pass whose results it does not use:
 // then its interval starts late, at the end of that tail.
-void GlBackend::recordPass(const GlPlan& plan, const Pass& pass, const GLuint* queries) {
+void GlBackend::recordPass(const GlPlan& plan, const Pass& pass, size_t frame, const GLuint* queries) {
     const GlProgram& program = plan.programs[pass.program];
     if (pass.kind != PassKind::dispatch) {
         GLuint framebuffer = targets_.at({plan.width, plan.height}).framebuffer.id();
@@ -282,7 +287,7 @@ void GlBackend::recordPass(const GlPlan& plan, const Pass& pass, const GLuint* q
     glUseProgram(program.linked.id);
     glMemoryBarrier(GL_ALL_BARRIER_BITS);
     if (queries) glQueryCounter(queries[0], GL_TIMESTAMP);
-    issueDraws(plan, pass);
+    issueDraws(plan, pass, frame);
     if (queries) glQueryCounter(queries[1], GL_TIMESTAMP);
     glMemoryBarrier(GL_ALL_BARRIER_BITS);
 }
@@ -291,7 +296,7 @@ void GlBackend::recordFrame(const GlPlan& plan, size_t frame) {
     bindFrame(plan, frame);
     for (size_t i = 0; i < plan.passes.size(); ++i) {
         const GLuint* queries = queries_.empty() ? nullptr : &queries_[(frame * plan.passes.size() + i) * 2];
-        recordPass(plan, plan.passes[i], queries);
+        recordPass(plan, plan.passes[i], frame, queries);
     }
 }
 

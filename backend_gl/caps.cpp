@@ -93,7 +93,18 @@ DeviceCaps queryCaps() {
     caps.timestampPeriodNs = bits > 0 ? 1 : 0;
     if (has("GL_EXT_mesh_shader")) caps.ext = getExtLimits();
     if (has("GL_NV_mesh_shader")) caps.nv = getNvLimits();
-    if (has("GL_KHR_shader_subgroup")) caps.subgroupSize = getUint(GL_SUBGROUP_SIZE_KHR);
+    if (has("GL_KHR_shader_subgroup")) {
+        caps.subgroupSize = getUint(GL_SUBGROUP_SIZE_KHR);
+        const uint32_t wanted =
+            GL_SUBGROUP_FEATURE_VOTE_BIT_KHR | GL_SUBGROUP_FEATURE_BALLOT_BIT_KHR | GL_SUBGROUP_FEATURE_SHUFFLE_BIT_KHR;
+        // OpenGL does not say whether the size varies; where it may, drivers other than NVIDIA's use shared memory.
+        caps.meshSubgroups = (getUint(GL_SUBGROUP_SUPPORTED_STAGES_KHR) & GL_MESH_SHADER_BIT_NV) &&
+                             (getUint(GL_SUBGROUP_SUPPORTED_FEATURES_KHR) & wanted) == wanted &&
+                             has("GL_NV_mesh_shader");
+    }
+    caps.meshDepthDiffers = caps.primitiveCullIgnored = caps.software;  // seen with Mesa 26.1
+    caps.subpixelBits = getUint(GL_SUBPIXEL_BITS);
+    caps.maxComputeSharedBytes = getUint(GL_MAX_COMPUTE_SHARED_MEMORY_SIZE);
     caps.maxComputeGroupSize = getUint(GL_MAX_COMPUTE_WORK_GROUP_INVOCATIONS);
     caps.maxComputeGroupCount = getUintX(GL_MAX_COMPUTE_WORK_GROUP_COUNT);
     caps.maxStorageBytes = getUint64(GL_MAX_SHADER_STORAGE_BLOCK_SIZE);

@@ -126,7 +126,12 @@ const GlStream* GlPlan::hostWritten() const {
 }
 
 Result<void> checkPlan(const FramePlan& plan, const DeviceCaps& caps) {
-    if (plan.paletteBytes > caps.maxStorageBytes)
+    if (plan.paletteRange > caps.maxUniformBytes)
+        return deviceError(
+            std::format("{}: the palette of one draw has {} bytes but a uniform block of this device holds at most {} "
+                        "bytes; use a storage block",
+                        plan.label, plan.paletteRange, caps.maxUniformBytes));
+    if (plan.paletteRange == 0 && plan.paletteBytes > caps.maxStorageBytes)
         return deviceError(
             std::format("{}: the palettes of one frame have {} bytes but a storage block of this device "
                         "holds at most {} bytes; use fewer copies",
@@ -164,6 +169,7 @@ Result<GlPlan> makeGlPlan(const FramePlan& plan, ProgramCache& programs, Staging
     made.width = plan.width;
     made.height = plan.height;
     made.paletteBytes = plan.paletteBytes;
+    made.paletteRange = plan.paletteRange;
     made.bytes = planBytes(plan);
     made.passes = plan.passes;
     made.draws = std::ranges::any_of(plan.passes, [](const Pass& p) { return p.kind != PassKind::dispatch; });

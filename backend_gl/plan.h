@@ -29,6 +29,7 @@ struct GlPlan {
     uint32_t width = 0;
     uint32_t height = 0;
     uint64_t paletteBytes = 0;
+    uint32_t paletteRange = 0;
     uint64_t bytes = 0;  // of all streams
     std::vector<GlStream> streams;
     std::vector<GlProgram> programs;

@@ -35,7 +35,8 @@ private:
     Result<void> needQueries(uint32_t count);
     uint64_t queriesDone(uint32_t count) const;
     Result<double> copySkinned(Plan& plan, std::span<const std::byte> skinned);
-    void recordPass(VkCommandBuffer commands, const Plan& plan, size_t number, uint32_t query) const;
+    void bindFrame(VkCommandBuffer commands, const Plan& plan, size_t frame, uint64_t paletteOffset) const;
+    void recordPass(VkCommandBuffer commands, const Plan& plan, size_t frame, size_t number, uint32_t query) const;
     void bindPass(VkCommandBuffer commands, const Plan& plan, size_t number) const;
     Result<void> runBatch(const Plan& plan, size_t first, std::span<Timing> timings);
     Result<void> readTimings(const Plan& plan, std::span<Timing> timings);
@@ -147,8 +148,17 @@ void VulkanBackend::bindPass(VkCommandBuffer commands, const Plan& plan, size_t 
     vk.vkCmdBindIndexBuffer(commands, plan.indexBuffer, 0, VK_INDEX_TYPE_UINT32);
 }
 
+void VulkanBackend::bindFrame(VkCommandBuffer commands, const Plan& plan, size_t frame, uint64_t paletteOffset) const {
+    const std::array offsets{
+        static_cast<uint32_t>(frameData_.constantsStride * frame),
+        static_cast<uint32_t>(frameData_.paletteStart + frameData_.paletteStride * frame + paletteOffset)};
+    for (VkPipelineBindPoint point : {VK_PIPELINE_BIND_POINT_GRAPHICS, VK_PIPELINE_BIND_POINT_COMPUTE})
+        device_->vk.vkCmdBindDescriptorSets(commands, point, plan.layout, 0, 1, &plan.descriptors, 2, offsets.data());
+}
+
 // Between the two timestamps: the rendering scope of a drawing pass, and every draw with its constants.
-void VulkanBackend::recordPass(VkCommandBuffer commands, const Plan& plan, size_t number, uint32_t query) const {
+void VulkanBackend::recordPass(VkCommandBuffer commands, const Plan& plan, size_t frame, size_t number,
+                               uint32_t query) const {
     const VolkDeviceTable& vk = device_->vk;
     const Pass& pass = plan.passes[number];
     const bool draws = pass.kind != PassKind::dispatch;
@@ -161,6 +171,7 @@ void VulkanBackend::recordPass(VkCommandBuffer commands, const Plan& plan, size_
     vk.vkCmdWriteTimestamp2(commands, VK_PIPELINE_STAGE_2_ALL_COMMANDS_BIT, queries_, query);
     if (draws) beginRendering(commands, *plan.target, VK_ATTACHMENT_LOAD_OP_LOAD);
     for (const Draw& draw : pass.draws) {
+        if (plan.paletteRange) bindFrame(commands, plan, frame, draw.paletteOffset);
         vk.vkCmdPushConstants(commands, plan.layout, device_->stages, 0, sizeof draw.constants, draw.constants.data());
         if (pass.kind == PassKind::dispatch)
             vk.vkCmdDispatch(commands, draw.count, 1, 1);
@@ -186,13 +197,9 @@ Result<void> VulkanBackend::runBatch(const Plan& plan, size_t first, std::span<T
     if (count) device_->vk.vkCmdResetQueryPool(*commands, queries_, 0, count);
     fullBarrier(*device_, *commands);
     for (uint32_t i = 0; i < timings.size(); ++i) {
-        const std::array offsets{
-            static_cast<uint32_t>(frameData_.constantsStride * (first + i)),
-            static_cast<uint32_t>(frameData_.paletteStart + frameData_.paletteStride * (first + i))};
-        for (VkPipelineBindPoint point : {VK_PIPELINE_BIND_POINT_GRAPHICS, VK_PIPELINE_BIND_POINT_COMPUTE})
-            device_->vk.vkCmdBindDescriptorSets(*commands, point, plan.layout, 0, 1, &plan.descriptors, 2,
-                                                offsets.data());
-        for (uint32_t pass = 0; pass < passes; ++pass) recordPass(*commands, plan, pass, (i * passes + pass) * 2);
+        bindFrame(*commands, plan, first + i, 0);
+        for (uint32_t pass = 0; pass < passes; ++pass)
+            recordPass(*commands, plan, first + i, pass, (i * passes + pass) * 2);
     }
     SKINBENCH_TRY(endCommands(*device_));
     const double record = elapsedMs(start);

@@ -104,9 +104,12 @@ void fillLimits(Adapter& adapter) {
     caps.version = std::format("Vulkan {}.{}.{}", VK_API_VERSION_MAJOR(p.apiVersion),
                                VK_API_VERSION_MINOR(p.apiVersion), VK_API_VERSION_PATCH(p.apiVersion));
     caps.software = p.deviceType == VK_PHYSICAL_DEVICE_TYPE_CPU;
+    caps.meshDepthDiffers = caps.software;  // seen with Mesa 26.1
     caps.timestampPeriodNs = p.limits.timestampPeriod;
     caps.maxComputeGroupSize = std::min(p.limits.maxComputeWorkGroupInvocations, p.limits.maxComputeWorkGroupSize[0]);
     caps.maxComputeGroupCount = p.limits.maxComputeWorkGroupCount[0];
+    caps.maxComputeSharedBytes = p.limits.maxComputeSharedMemorySize;
+    caps.subpixelBits = p.limits.subPixelPrecisionBits;
     caps.maxStorageBytes = p.limits.maxStorageBufferRange;
     caps.maxUniformBytes = p.limits.maxUniformBufferRange;
     caps.storageBlocksVertex = p.limits.maxPerStageDescriptorStorageBuffers;
@@ -150,6 +153,8 @@ void fillExtended(Adapter& adapter) {
     VkPhysicalDeviceMaintenance4Properties buffer{VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_MAINTENANCE_4_PROPERTIES};
     VkPhysicalDeviceMeshShaderPropertiesEXT ext{VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_MESH_SHADER_PROPERTIES_EXT};
     VkPhysicalDeviceMeshShaderPropertiesNV nv{VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_MESH_SHADER_PROPERTIES_NV};
+    VkPhysicalDeviceSubgroupSizeControlProperties subgroupRange{
+        VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_SUBGROUP_SIZE_CONTROL_PROPERTIES};
     VkPhysicalDeviceFeatures2 features{VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_FEATURES_2};
     VkPhysicalDeviceMeshShaderFeaturesEXT extFeatures{VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_MESH_SHADER_FEATURES_EXT};
     VkPhysicalDeviceMeshShaderFeaturesNV nvFeatures{VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_MESH_SHADER_FEATURES_NV};
@@ -157,13 +162,18 @@ void fillExtended(Adapter& adapter) {
     chain(properties, allocation);
     chain(properties, subgroup);
     if (adapter.apiVersion >= VK_API_VERSION_1_2) chain(properties, driver);
-    if (adapter.apiVersion >= VK_API_VERSION_1_3) chain(properties, buffer);
+    if (adapter.apiVersion >= VK_API_VERSION_1_3) chain(properties, buffer), chain(properties, subgroupRange);
     if (hasExt) chain(properties, ext), chain(features, extFeatures);
     if (hasNv) chain(properties, nv), chain(features, nvFeatures);
     vkGetPhysicalDeviceProperties2(adapter.handle, &properties);
     vkGetPhysicalDeviceFeatures2(adapter.handle, &features);
 
     caps.subgroupSize = subgroup.subgroupSize;
+    const VkSubgroupFeatureFlags wanted =
+        VK_SUBGROUP_FEATURE_VOTE_BIT | VK_SUBGROUP_FEATURE_BALLOT_BIT | VK_SUBGROUP_FEATURE_SHUFFLE_BIT;
+    caps.meshSubgroups = (subgroup.supportedStages & VK_SHADER_STAGE_MESH_BIT_EXT) &&
+                         (subgroup.supportedOperations & wanted) == wanted &&
+                         subgroupRange.minSubgroupSize == subgroupRange.maxSubgroupSize;
     caps.pipelineStatistics = features.features.pipelineStatisticsQuery;
     if (*driver.driverName)
         caps.driver = driver.driverName + (*driver.driverInfo ? " " + std::string(driver.driverInfo) : "");

@@ -19,6 +19,10 @@ VkDescriptorType descriptorType(uint32_t use) {
     return use & useUniform ? VK_DESCRIPTOR_TYPE_UNIFORM_BUFFER : VK_DESCRIPTOR_TYPE_STORAGE_BUFFER;
 }
 
+VkDescriptorType paletteType(const Plan& plan) {
+    return plan.paletteRange ? VK_DESCRIPTOR_TYPE_UNIFORM_BUFFER_DYNAMIC : VK_DESCRIPTOR_TYPE_STORAGE_BUFFER_DYNAMIC;
+}
+
 bool isBound(const Stream& stream) { return stream.use & (useStorage | useUniform); }
 
 // Bytes `from` and on of all replicas, one behind the other.
@@ -82,7 +86,7 @@ Result<void> makeLayout(Plan& plan, const FramePlan& source) {
     Device& device = plan.device;
     std::vector<VkDescriptorSetLayoutBinding> bindings{
         {SLOT_FRAME, VK_DESCRIPTOR_TYPE_UNIFORM_BUFFER_DYNAMIC, 1, device.stages, nullptr},
-        {SLOT_PALETTE, VK_DESCRIPTOR_TYPE_STORAGE_BUFFER_DYNAMIC, 1, device.stages, nullptr}};
+        {SLOT_PALETTE, paletteType(plan), 1, device.stages, nullptr}};
     for (const Stream& stream : source.streams)
         if (isBound(stream)) bindings.push_back({stream.slot, descriptorType(stream.use), 1, device.stages, nullptr});
     VkDescriptorSetLayoutCreateInfo set{VK_STRUCTURE_TYPE_DESCRIPTOR_SET_LAYOUT_CREATE_INFO};
@@ -102,7 +106,7 @@ Result<void> makeLayout(Plan& plan, const FramePlan& source) {
 
 Result<void> makeDescriptors(Plan& plan, const FramePlan& source) {
     Device& device = plan.device;
-    const std::array<VkDescriptorPoolSize, 4> sizes{{{VK_DESCRIPTOR_TYPE_UNIFORM_BUFFER_DYNAMIC, 1},
+    const std::array<VkDescriptorPoolSize, 4> sizes{{{VK_DESCRIPTOR_TYPE_UNIFORM_BUFFER_DYNAMIC, 2},
                                                      {VK_DESCRIPTOR_TYPE_STORAGE_BUFFER_DYNAMIC, 1},
                                                      {VK_DESCRIPTOR_TYPE_UNIFORM_BUFFER, SLOT_COUNT},
                                                      {VK_DESCRIPTOR_TYPE_STORAGE_BUFFER, SLOT_COUNT}}};
@@ -222,7 +226,10 @@ Plan::~Plan() {
     device.vk.vkDestroyDescriptorSetLayout(device.handle, setLayout, nullptr);
 }
 
-uint64_t paletteRange(const Plan& plan) { return std::max<uint64_t>(alignUp(plan.paletteBytes, 4), 16); }
+uint64_t paletteRange(const Plan& plan) {
+    if (plan.paletteRange) return plan.paletteRange;
+    return std::max<uint64_t>(alignUp(plan.paletteBytes, 4), 16);
+}
 
 Result<void> checkPlan(const Device& device, const FramePlan& plan) {
     assertWellFormed(plan);
@@ -236,7 +243,9 @@ Result<void> checkPlan(const Device& device, const FramePlan& plan) {
     if (plan.width == 0 || plan.height == 0 || plan.width > largest || plan.height > largest)
         return deviceError(std::format("{}: an image of {}x{} was asked for, and {} takes 1x1 to {}x{}", plan.label,
                                        plan.width, plan.height, caps.name, largest, largest));
-    SKINBENCH_TRY(checkBinding(device, plan.label + ": the joint palette of one frame", useStorage, plan.paletteBytes));
+    SKINBENCH_TRY(checkBinding(
+        device, plan.label + ": the joint palette of one " + (plan.paletteRange ? "draw" : "frame"),
+        plan.paletteRange ? useUniform : useStorage, plan.paletteRange ? plan.paletteRange : plan.paletteBytes));
     for (const Stream& stream : plan.streams)
         SKINBENCH_TRY(
             checkBinding(device, std::format("{}: slot {}", plan.label, stream.slot), stream.use, streamBytes(stream)));
@@ -250,6 +259,7 @@ Result<std::unique_ptr<Plan>> makePlanObjects(Device& device, VkPipelineCache ca
     plan->label = source.label;
     plan->dialect = source.dialect;
     plan->paletteBytes = source.paletteBytes;
+    plan->paletteRange = source.paletteRange;
     plan->passes = source.passes;
     plan->target = std::move(target);
     SKINBENCH_TRY(makeLayout(*plan, source));
@@ -298,7 +308,7 @@ static void pointDescriptors(Device& device, const FrameData& data, Plan& plan) 
     writes[0].descriptorType = VK_DESCRIPTOR_TYPE_UNIFORM_BUFFER_DYNAMIC;
     writes[0].pBufferInfo = &constants;
     writes[1].dstBinding = SLOT_PALETTE;
-    writes[1].descriptorType = VK_DESCRIPTOR_TYPE_STORAGE_BUFFER_DYNAMIC;
+    writes[1].descriptorType = paletteType(plan);
     writes[1].pBufferInfo = &palette;
     device.vk.vkUpdateDescriptorSets(device.handle, 2, writes.data(), 0, nullptr);
     plan.frameDataVersion = data.version;
@@ -307,8 +317,11 @@ static void pointDescriptors(Device& device, const FrameData& data, Plan& plan) 
 Result<void> uploadFrames(Device& device, FrameData& data, Plan& plan, std::span<const FrameInput> frames) {
     const VkPhysicalDeviceLimits& limits = device.adapter.properties.limits;
     data.constantsStride = alignUp(sizeof(FrameConstants), limits.minUniformBufferOffsetAlignment);
-    data.paletteStride = alignUp(paletteRange(plan), limits.minStorageBufferOffsetAlignment);
-    data.paletteStart = alignUp(data.constantsStride * frames.size(), limits.minStorageBufferOffsetAlignment);
+    // A range may reach past the last palette of a frame, but not past the buffer.
+    const uint64_t alignment =
+        std::max({limits.minStorageBufferOffsetAlignment, limits.minUniformBufferOffsetAlignment, kPaletteAlignment});
+    data.paletteStride = alignUp(std::max(paletteRange(plan), plan.paletteBytes), alignment);
+    data.paletteStart = alignUp(data.constantsStride * frames.size(), alignment);
     const uint64_t bytes = data.paletteStart + data.paletteStride * frames.size();
     SKINBENCH_TRY(growFrameData(device, data, plan, bytes));
     pointDescriptors(device, data, plan);

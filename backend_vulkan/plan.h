@@ -17,6 +17,7 @@ struct Plan {
     std::string label;
     MeshDialect dialect = MeshDialect::none;
     uint64_t paletteBytes = 0;
+    uint32_t paletteRange = 0;
     std::vector<Pass> passes;
     std::vector<StreamBuffer> streams;
     std::vector<VkPipeline> pipelines;    // one a pass

@@ -3,7 +3,8 @@
 //
 // A backend must:
 //  * bind every stream that a program's text declares, at the binding number of its slot (shaders_glsl/shared.h);
-//    SLOT_PALETTE and SLOT_FRAME are bound at the current frame's part of what run() uploaded;
+//    SLOT_PALETTE and SLOT_FRAME are bound at the current frame's part of what run() uploaded; with
+//    FramePlan::paletteRange the palette is a uniform block and each draw sees its own part;
 //  * pass Draw::constants to every stage as the block of platform.glsl (Vulkan: push constants, 16 bytes at offset 0;
 //    OpenGL: the uniform uvec4 named `drawConstants`);
 //  * place a full execution and memory barrier before and after every pass, outside the pass's two timestamps, and
@@ -57,7 +58,10 @@ struct DeviceCaps {
     MeshLimitsOfDevice ext;      // VK_EXT_mesh_shader, GL_EXT_mesh_shader
     MeshLimitsOfDevice nv;       // VK_NV_mesh_shader, GL_NV_mesh_shader
     uint32_t subgroupSize = 0;   // 0: unknown
+    bool meshSubgroups = false;  // mesh stages can shuffle and vote, and every subgroup has subgroupSize lanes
+    uint32_t subpixelBits = 0;   // of the rasteriser's fixed-point positions
     uint32_t maxComputeGroupSize = 0;
+    uint32_t maxComputeSharedBytes = 0;
     uint32_t maxComputeGroupCount = 0;  // x
     uint64_t maxStorageBytes = 0;       // of one storage buffer binding
     uint64_t maxUniformBytes = 0;       // of one uniform buffer binding
@@ -66,6 +70,9 @@ struct DeviceCaps {
     bool pipelineStatistics = false;
     bool lastMeshOutputLost = false;  // a driver fault, found by a test draw: the last location that mesh stages write
                                       // never reaches the fragment stage
+    bool meshDepthDiffers = false;    // a mesh and a vertex stage that write equal positions get depths that differ in
+                                      // the last bit
+    bool primitiveCullIgnored = false;    // gl_CullPrimitiveEXT drops nothing
     std::vector<std::string> extensions;  // sorted
 };
 
@@ -136,6 +143,7 @@ struct Draw {
     uint32_t firstIndex = 0;
     int32_t baseVertex = 0;
     std::array<uint32_t, 4> constants{};
+    uint64_t paletteOffset = 0;  // bytes into one frame's palettes, a multiple of kPaletteAlignment
 };
 
 struct Pass {
@@ -150,12 +158,17 @@ struct Pass {
     std::vector<Draw> draws;
 };
 
+// No device asks for a coarser alignment of uniform blocks.
+inline constexpr uint64_t kPaletteAlignment = 256;
+
 struct FramePlan {
     std::string label;  // the case id, for messages and debug tools
     MeshDialect dialect = MeshDialect::none;
     uint32_t width = 1920;
     uint32_t height = 1080;
     uint64_t paletteBytes = 0;  // of one frame: all copies
+    uint32_t paletteRange = 0;  // bytes that a draw sees as uniform block, from Draw::paletteOffset on; 0: the
+                                // palette is a storage block and every draw sees it all
     std::vector<Stream> streams;
     std::vector<Program> programs;
     std::vector<Pass> passes;

@@ -10,6 +10,7 @@
 
 #include "common/image.h"
 #include "common/stats.h"
+#include "common/verify.h"
 
 namespace skinbench {
 namespace {
@@ -59,6 +60,8 @@ struct Prepared {
     Backend* backend = nullptr;  // null on route cpu
     std::optional<PlanId> plan;
     std::vector<std::string> labels;  // of the plan's passes
+    PlanInput input;                  // of the plan
+    std::optional<PaletteBlocks> blocks;
     std::unique_ptr<HostSkinning> host;
 };
 
@@ -68,8 +71,8 @@ struct Runner {
     const BenchSettings& settings;
     const BenchEvents& events;
     std::vector<CaseResult> results;
-    std::map<std::pair<bool, int>, std::pair<std::string, Image>> firstImages;  // by Variant::skins and influences
-    std::map<std::string, size_t> verifiedAs;                                   // id without the raster mode -> result
+    std::map<std::string, std::pair<std::string, Image>> firstImages;  // by what a picture depends on
+    std::map<std::string, size_t> verifiedAs;                          // id without the raster mode -> result
 };
 
 void fail(CaseResult& result, CaseStatus status, std::string reason) {
@@ -119,12 +122,16 @@ Result<void> drawFrames(CaseResult& result, Prepared& ready, std::span<const Fra
     for (size_t start = 0; start < frames.size(); start += batch) {
         double skin = 0;
         std::vector<FrameInput> inputs;
+        std::vector<std::vector<std::byte>> blocked;
         for (const FrameData& frame : frames.subspan(start, std::min(batch, frames.size() - start))) {
             FrameInput input;
             input.constants = frame.constants;
             if (ready.host) {
                 skin = skinFrame(*ready.host, frame);
                 input.skinned = std::as_bytes(std::span(ready.host->out));
+            } else if (ready.blocks) {
+                blocked.push_back(blockedPalettes(frame, ready.input.copies, *ready.blocks));
+                input.palette = blocked.back();
             } else {
                 input.palette = std::as_bytes(std::span(frame.palettes));
             }
@@ -178,6 +185,8 @@ Result<Prepared> prepareCase(Runner& runner, CaseResult& result, bool capture) {
     }
     if (input->meshlets) result.meshlets = static_cast<uint32_t>(input->meshlets->meshlets.size());
     result.memory = memoryOfOneCopy(*plan, input->copies);
+    ready.input = *input;
+    ready.blocks = paletteBlocks(which, *input);
     for (const Pass& pass : plan->passes) ready.labels.push_back(pass.label);
     if (skinsOnHost(which)) ready.host = std::make_unique<HostSkinning>(makeHostSkinning(*input->scene, input->copies));
     if (ready.backend) {
@@ -196,49 +205,27 @@ void releaseCase(Prepared& ready) {
     ready = {};
 }
 
-SkinError larger(const SkinError& a, const SkinError& b) {
-    return {std::max(a.position, b.position), std::max(a.normal, b.normal)};
-}
-
-// Compares what the first and the last copy became with the reference.
-Result<SkinError> capturedError(Runner& runner, const Case& which, Prepared& ready, const FrameData& frame) {
-    auto scene = sceneFor(runner.workload, which.influences);
-    if (!scene) return std::unexpected(scene.error());
-    const Mesh& mesh = (*scene)->mesh;
-    const size_t vertices = mesh.positions.size();
-    const uint32_t copies = runner.workload.settings.copies;
+Result<std::vector<SkinnedVertex>> capturedVertices(const Prepared& ready) {
+    const size_t vertices = ready.input.encoded->vertexCount;
     std::vector<SkinnedVertex> captured(vertices * 2);
-    if (ready.plan) {
-        auto bytes = ready.backend->readStream(*ready.plan, SLOT_CAPTURE);
-        if (!bytes) return std::unexpected(bytes.error());
-        SKINBENCH_ASSERT(bytes->size() >= captured.size() * sizeof(SkinnedVertex));
-        std::memcpy(captured.data(), bytes->data(), captured.size() * sizeof(SkinnedVertex));
-    } else {
+    if (!ready.plan) {
         std::ranges::copy(std::span(ready.host->out).first(vertices), captured.begin());
         std::ranges::copy(std::span(ready.host->out).last(vertices), captured.begin() + vertices);
+        return captured;
     }
-    SkinError worst;
-    for (uint32_t which_copy : {0u, copies - 1}) {
-        const Palette palette = paletteOfCopy(frame, copies, which_copy);
-        SkinnedReference reference = skinReference(mesh, palette);
-        if (!which.variant->skins)
-            for (size_t v = 0; v < vertices; ++v) {
-                reference.positions[v] = mesh.positions[v];
-                reference.normals[v] = mesh.normals[v];
-            }
-        const double diagonal = posedBounds(mesh, palette).diagonal();
-        // A single copy is captured in the first half only.
-        auto part = std::span(captured).subspan(which_copy == 0 ? 0 : vertices, vertices);
-        worst = larger(worst, compareSkinned(reference, part, std::max(diagonal, 1e-30)));
-    }
-    return worst;
+    auto bytes = ready.backend->readStream(*ready.plan, SLOT_CAPTURE);
+    if (!bytes) return std::unexpected(bytes.error());
+    SKINBENCH_ASSERT(bytes->size() >= captured.size() * sizeof(SkinnedVertex));
+    std::memcpy(captured.data(), bytes->data(), captured.size() * sizeof(SkinnedVertex));
+    return captured;
 }
 
 Result<void> compareWithFirstImage(Runner& runner, CaseResult& result, Prepared& ready) {
     auto image = ready.backend->readImage(*ready.plan);
     if (!image) return std::unexpected(image.error());
-    auto [entry, first] =
-        runner.firstImages.try_emplace({result.which.variant->skins, result.which.influences}, result.id, Image{});
+    const Case& which = result.which;
+    const std::string words = std::format("{} {} {}", which.variant->skins, which.influences, which.codec->name);
+    auto [entry, first] = runner.firstImages.try_emplace(words, result.id, Image{});
     if (first) entry->second.second = std::move(*image);
     result.accuracy->imageReference = entry->second.first;
     if (first) return {};
@@ -256,9 +243,11 @@ Result<void> verifyDrawn(Runner& runner, CaseResult& result, Prepared& ready) {
     if (!frames) return std::unexpected(frames.error());
     CaseResult untimed;
     if (auto drawn = drawFrames(untimed, ready, *frames); !drawn) return drawn;
-    auto error = capturedError(runner, result.which, ready, frames->front());
-    if (!error) return std::unexpected(error.error());
-    result.accuracy = Accuracy{*error, runner.settings.tolerance, 0, {}};
+    auto captured = capturedVertices(ready);
+    if (!captured) return std::unexpected(captured.error());
+    const CapturedError errors = capturedError(result.which, ready.input, frames->front(), *captured);
+    const SkinError* error = &errors.decoded;
+    result.accuracy = Accuracy{errors.decoded, runner.settings.tolerance, errors.source, 0, {}};
     // A position that is off by the tolerance seldom tilts a normal by more than this.
     const double normalTolerance = 1e-3;
     if (!(error->position <= runner.settings.tolerance))

@@ -27,8 +27,9 @@ struct BenchSettings {
 enum class CaseStatus { ok, skipped, failed };
 
 struct Accuracy {
-    SkinError error;  // the larger of the two captured copies
+    SkinError error;  // against the decoded vertices, the larger of the two captured copies
     double tolerance = 0;
+    SkinError codecError;        // against the vertices before encoding
     double imageDifference = 0;  // fraction of pixels that differ from the first image of the run
     std::string imageReference;  // id of the case that made that image
 };

@@ -88,30 +88,76 @@ MeshletStats meshletStats(const Mesh& mesh, const MeshletMesh& cut) {
     return stats;
 }
 
-static PackedMeshlets packRedirect(const MeshletMesh& cut) {
+static uint32_t countsWord(const MeshletMesh& cut, const MeshletPacking& packing, size_t number) {
+    const Meshlet& meshlet = cut.meshlets[number];
+    return uint32_t{number < packing.commonMeshlets} << 31 | meshlet.triangleCount << 16 | meshlet.vertexCount;
+}
+
+static bool isWide(const MeshletPacking& packing) { return packing.orderedRecords || !packing.extraStart.empty(); }
+
+static void appendWide(std::vector<uint32_t>& words, const MeshletMesh& cut, const MeshletPacking& packing,
+                       size_t number) {
+    if (!isWide(packing)) return;
+    words.push_back(packing.orderedRecords ? cut.meshlets[number].firstVertex : 0);
+    words.push_back(packing.extraStart.empty() ? 0 : packing.extraStart[number]);
+}
+
+static void appendIds(std::vector<uint32_t>& words, const MeshletMesh& cut, const Meshlet& meshlet) {
+    auto ids = cut.vertices.begin() + meshlet.firstVertex;
+    words.insert(words.end(), ids, ids + meshlet.vertexCount);
+}
+
+static void appendLocalIndices(std::vector<uint32_t>& words, const MeshletMesh& cut, const Meshlet& meshlet,
+                               size_t wordCount) {
+    const size_t first = words.size();
+    words.resize(first + wordCount, 0);
+    for (uint32_t t = 0; t < meshlet.triangleCount; ++t)
+        for (uint32_t corner = 0; corner < 3; ++corner) {
+            const uint32_t byte = t * 3 + corner;
+            words[first + byte / 4] |= uint32_t{cut.triangles[meshlet.firstTriangle + t][corner]} << byte % 4 * 8;
+        }
+}
+
+static PackedMeshlets packRedirect(const MeshletMesh& cut, const MeshletPacking& packing) {
     PackedMeshlets packed;
-    packed.descriptors.reserve(cut.meshlets.size() * 2);
+    packed.descriptors.reserve(cut.meshlets.size() * 4);
     packed.data.reserve(cut.vertices.size() + cut.triangles.size());
-    for (const Meshlet& meshlet : cut.meshlets) {
+    for (size_t m = 0; m < cut.meshlets.size(); ++m) {
+        const Meshlet& meshlet = cut.meshlets[m];
         packed.descriptors.push_back(static_cast<uint32_t>(packed.data.size()));
-        packed.descriptors.push_back(meshlet.vertexCount << 16 | meshlet.triangleCount);
-        auto ids = cut.vertices.begin() + meshlet.firstVertex;
-        packed.data.insert(packed.data.end(), ids, ids + meshlet.vertexCount);
-        const size_t first = packed.data.size();
-        packed.data.resize(first + (meshlet.triangleCount + 3) / 4 * 3, 0);
-        for (uint32_t t = 0; t < meshlet.triangleCount; ++t)
-            for (uint32_t corner = 0; corner < 3; ++corner) {
-                const uint32_t byte = t * 3 + corner;
-                packed.data[first + byte / 4] |= uint32_t{cut.triangles[meshlet.firstTriangle + t][corner]}
-                                                 << byte % 4 * 8;
-            }
+        packed.descriptors.push_back(countsWord(cut, packing, m));
+        appendWide(packed.descriptors, cut, packing, m);
+        if (!packing.orderedRecords) appendIds(packed.data, cut, meshlet);
+        appendLocalIndices(packed.data, cut, meshlet, (meshlet.triangleCount + 3) / 4 * 3);
     }
+    return packed;
+}
+
+static PackedMeshlets packFixed(const MeshletMesh& cut, const MeshletPacking& packing) {
+    const uint32_t idWords = packing.orderedRecords ? 0 : cut.limits.vertices;
+    const uint32_t indexWords = (cut.limits.triangles * 3 + 3) / 4;
+    PackedMeshlets packed;
+    packed.fixedWords = ((isWide(packing) ? 3 : 1) + idWords + indexWords + 3) / 4 * 4;
+    packed.data.reserve(cut.meshlets.size() * packed.fixedWords + 2);
+    for (size_t m = 0; m < cut.meshlets.size(); ++m) {
+        const Meshlet& meshlet = cut.meshlets[m];
+        packed.data.push_back(countsWord(cut, packing, m));
+        appendWide(packed.data, cut, packing, m);
+        if (!packing.orderedRecords) {
+            appendIds(packed.data, cut, meshlet);
+            packed.data.resize(packed.data.size() + idWords - meshlet.vertexCount, 0);
+        }
+        appendLocalIndices(packed.data, cut, meshlet, indexWords);
+        packed.data.resize((m + 1) * packed.fixedWords, 0);
+    }
+    packed.data.resize(packed.data.size() + 2, 0);
     return packed;
 }
 
 const std::vector<MeshletLayout>& meshletLayouts() {
     static const std::vector<MeshletLayout> rows = {
         {"redirect", "a descriptor a meshlet and one index stream", packRedirect},
+        {"fixed", "every meshlet takes the words of a full one", packFixed},
     };
     return rows;
 }

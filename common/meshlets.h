@@ -60,22 +60,40 @@ Result<void> checkMeshlets(const Mesh& mesh, const MeshletMesh& meshlets);
 
 MeshletStats meshletStats(const Mesh& mesh, const MeshletMesh& meshlets);
 
-// The words a mesh shader reads. `redirect` (Kimmersdorfer 3.2): a descriptor a meshlet and one index stream.
+// What a case's shader reads beside the plain meshlets.
+struct MeshletPacking {
+    bool orderedRecords = false;       // record i of a meshlet is firstVertex + i: vertex ids are not stored
+    uint32_t commonMeshlets = 0;       // these, the first ones, share a joint list
+    std::vector<uint32_t> extraStart;  // per meshlet: first word of what SLOT_MESHLET_EXTRA holds for it; or empty
+};
+
+// The words a mesh shader reads. All layouts share the word of the counts and the way local indices lie:
 //
-//   descriptor (2 words)   word 0: first word of the meshlet in `data`
-//                          word 1: [31] reserved  [30:16] vertex count  [15:0] triangle count
-//   data, per meshlet      vertexCount words: vertex ids, then
-//                          3 * ceil(triangleCount / 4) words: local indices, one byte each, little-endian, triangle
-//                          after triangle; the last group of four triangles is filled up with zeros
+//   counts         [31] shares a joint list  [30:16] triangle count  [15:0] vertex count
+//   local indices  a byte each, little-endian, triangle after triangle: three words hold four triangles
+//
+// `redirect` (Kimmersdorfer 3.2): a descriptor a meshlet and one index stream.
+//
+//   descriptor         2 words: first word of the meshlet in `data`, counts
+//                      4 words with orderedRecords or extraStart: also first record, first extra word
+//   data, per meshlet  vertex ids (none with orderedRecords), then local indices, filled up to whole groups of four
+//
+// `fixed` (Kimmersdorfer 3.2): no descriptors; every meshlet takes the words of a full one, 640 bytes for 64/126.
+//
+//   data, per meshlet  counts; with orderedRecords or extraStart: first record, first extra word;
+//                      limit.vertices ids (none with orderedRecords); 3 * limit.triangles bytes of local indices;
+//                      then zeros up to a multiple of 16 bytes
+//   behind the last    2 words, because the shader reads whole groups of four triangles
 struct PackedMeshlets {
     std::vector<uint32_t> descriptors;
     std::vector<uint32_t> data;
+    uint32_t fixedWords = 0;  // words a meshlet takes in `data`; 0: they differ
 };
 
 struct MeshletLayout {
     const char* name;
     const char* what;
-    PackedMeshlets (*pack)(const MeshletMesh& meshlets);
+    PackedMeshlets (*pack)(const MeshletMesh& meshlets, const MeshletPacking& packing);
 };
 
 const std::vector<MeshletLayout>& meshletLayouts();

@@ -64,13 +64,18 @@ Json capsJson(const DeviceCaps& caps) {
             {"mesh_ext", meshLimitsJson(caps.ext)},
             {"mesh_nv", meshLimitsJson(caps.nv)},
             {"subgroup_size", caps.subgroupSize},
+            {"mesh_subgroups", caps.meshSubgroups},
+            {"subpixel_bits", caps.subpixelBits},
+            {"max_compute_shared_bytes", caps.maxComputeSharedBytes},
             {"max_compute_group_size", caps.maxComputeGroupSize},
             {"max_storage_bytes", caps.maxStorageBytes},
             {"max_uniform_bytes", caps.maxUniformBytes},
             {"storage_blocks_vertex", caps.storageBlocksVertex},
             {"device_bytes", caps.deviceBytes},
             {"pipeline_statistics", caps.pipelineStatistics},
-            {"last_mesh_output_lost", caps.lastMeshOutputLost}};
+            {"last_mesh_output_lost", caps.lastMeshOutputLost},
+            {"mesh_depth_differs", caps.meshDepthDiffers},
+            {"primitive_cull_ignored", caps.primitiveCullIgnored}};
 }
 
 static Json timesJson(const std::vector<double>& samples) {
@@ -103,6 +108,8 @@ static Json accuracyJson(const CaseResult& result) {
     return {{"max_position_error", finite(accuracy.error.position)},
             {"max_normal_error", finite(accuracy.error.normal)},
             {"tolerance", accuracy.tolerance},
+            {"codec_position_error", finite(accuracy.codecError.position)},
+            {"codec_normal_error", finite(accuracy.codecError.normal)},
             {"image_difference", image ? Json(accuracy.imageDifference) : Json(nullptr)},
             {"image_reference", image ? Json(accuracy.imageReference) : Json(nullptr)}};
 }
@@ -113,11 +120,23 @@ static Json optionsJson(const Case& which) {
                     {"back_faces", which.keepBackFaces ? "kept" : "culled"}};
     if (which.variant->fetches && which.route->dialect == MeshDialect::none)
         options["vertex_fetch"] = which.fetch == VertexFetch::pull ? "pull" : "attributes";
+    if (usesPartition(which)) options["palette_slots"] = std::to_string(which.paletteSlots);
     if (which.builder) {
         options["meshlet_vertices"] = std::to_string(which.limits.vertices);
         options["meshlet_triangles"] = std::to_string(which.limits.triangles);
         options["group_size"] = std::to_string(which.groupSize);
         if (which.route->dialect == MeshDialect::nv) options["index_writes"] = which.packedWrites ? "packed" : "single";
+        options["joints"] = jointSourceName(which.shape.joints);
+        options["loads"] = which.shape.clampedLoads ? "clamped" : "guarded";
+        options["records"] = which.shape.orderedRecords ? "ordered" : "indexed";
+        options["palette"] = which.shape.uniformPalette ? "uniform" : "storage";
+        if (which.cull != Cull::off) options["exchange"] = exchangeName(which.exchange);
+        if (sharesJointLists(which)) {
+            options["ci_grouping"] = ciGroupingName(which.common.grouping);
+            if (which.common.grouping == CiGrouping::triangles) options["ci_key"] = ciKeyName(which.common.key);
+            options["ci_min"] = std::to_string(which.common.minVertices);
+            options["ci_vertices"] = which.common.fat ? "fat" : "slim";
+        }
     }
     return options;
 }
@@ -143,8 +162,8 @@ static Json caseJson(const CaseResult& result) {
             {"codec", which.codec->name},
             {"builder", which.builder ? Json(which.builder->name) : Json(nullptr)},
             {"layout", which.layout ? Json(which.layout->name) : Json(nullptr)},
-            {"cull", "off"},
-            {"scenario", "direct"},
+            {"cull", cullName(which.cull)},
+            {"scenario", scenarioName(which.scenario)},
             {"raster", rasterName(which.raster)},
             {"options", optionsJson(which)},
             {"status", statusName(result.status)},

@@ -135,6 +135,9 @@ Result<ShaderText> shaderText(const ShaderLibrary& library, const ShaderRequest&
     if (request.stage == Stage::mesh || request.stage == Stage::task)
         text += std::string("#extension ") +
                 (request.dialect == MeshDialect::nv ? "GL_NV_mesh_shader" : "GL_EXT_mesh_shader") + " : require\n";
+    if (request.subgroups && request.stage == Stage::mesh)
+        for (const char* part : {"basic", "vote", "ballot", "shuffle"})
+            text += std::string("#extension GL_KHR_shader_subgroup_") + part + " : require\n";
     for (const auto& [name, value] : defines)
         if (value.empty() || value.front() != '"') text += "#define " + name + " " + value + "\n";
     return ShaderText{request.stage, request.file + " (" + stageName(request.stage) + ")", text + expansion.text};

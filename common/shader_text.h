@@ -30,7 +30,8 @@ struct ShaderRequest {
     Stage stage = Stage::vertex;
     Api api = Api::vulkan;
     MeshDialect dialect = MeshDialect::none;
-    Defines defines{};  // STAGE_*, MESH_NV come by themselves
+    bool subgroups = false;  // the mesh stage shuffles and votes
+    Defines defines{};       // STAGE_*, MESH_NV come by themselves
 };
 
 // `#include "file"` and `#include NAME`, where the define NAME holds a quoted file, are compiled once a file. Line

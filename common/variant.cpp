@@ -4,6 +4,7 @@
 #include <format>
 
 #include "common/plans.h"
+#include "common/pose.h"
 
 namespace skinbench {
 
@@ -22,12 +23,17 @@ const std::vector<Route>& routes() {
 
 const std::vector<Variant>& variants() {
     static const std::vector<Variant> rows = {
-        {"none", "no skinning: the baseline", true, true, false, false, true, planDirect},
-        {"vertex", "linear blend skinning in the vertex stage", true, false, false, true, true, planDirect},
+        {"none", "no skinning: the baseline", true, true, false, false, true, false, planDirect},
+        {"vertex", "linear blend skinning in the vertex stage", true, false, false, true, true, true, planDirect},
         {"compute", "a compute pass skins into a buffer, a plain vertex stage draws it", true, false, false, true,
-         false, planCompute},
-        {"mesh", "a mesh-shader work group skins and draws a meshlet", false, true, false, true, false, planDirect},
-        {"cpu", "the CPU skins on all cores, uploads, draws", true, false, true, true, false, planCpu},
+         false, true, planCompute},
+        {"mesh", "a mesh-shader work group skins and draws a meshlet", false, true, false, true, false, true,
+         planDirect},
+        {"mesh-ci", "as mesh, joint ids once per meshlet where its vertices share them", false, true, false, true,
+         false, true, planDirect},
+        {"palette", "as vertex, in draws whose joints fit the slots of a small uniform palette", true, false, false,
+         true, true, false, planDirect},
+        {"cpu", "the CPU skins on all cores, uploads, draws", true, false, true, true, false, false, planCpu},
     };
     return rows;
 }
@@ -46,30 +52,49 @@ bool runsOn(const Variant& variant, const Route& route) {
     return route.dialect == MeshDialect::none ? variant.onPlainRoutes : variant.onMeshRoutes;
 }
 
-const char* rasterName(RasterMode raster) {
-    switch (raster) {
-        case RasterMode::full:
-            return "full";
-        case RasterMode::noFragments:
-            return "no-fragments";
-        case RasterMode::discard:
-            return "discard";
-    }
-    return "?";
+// --- words --------------------------------------------------------------------------------------------------------
+
+template <class Value>
+static const char* wordOf(Value value, std::initializer_list<const char*> words) {
+    const auto place = static_cast<size_t>(value);
+    SKINBENCH_ASSERT(place < words.size());
+    return words.begin()[place];
 }
 
-const char* viewName(View view) {
-    switch (view) {
-        case View::shaded:
-            return "shaded";
-        case View::meshlets:
-            return "meshlets";
-        case View::weights:
-            return "weights";
-        case View::tuples:
-            return "tuples";
-    }
-    return "?";
+const char* rasterName(RasterMode raster) { return wordOf(raster, {"full", "no-fragments", "discard"}); }
+const char* viewName(View view) { return wordOf(view, {"shaded", "meshlets", "weights", "tuples"}); }
+const char* cullName(Cull cull) { return wordOf(cull, {"off", "compact", "primitive", "torabi"}); }
+const char* exchangeName(Exchange exchange) { return wordOf(exchange, {"auto", "shuffle", "shared"}); }
+const char* scenarioName(Scenario scenario) { return wordOf(scenario, {"direct", "prepass"}); }
+const char* jointSourceName(JointSource joints) { return wordOf(joints, {"vertex", "meshlet", "staged"}); }
+const char* ciGroupingName(CiGrouping grouping) { return wordOf(grouping, {"meshlets", "triangles"}); }
+const char* ciKeyName(CiKey key) { return wordOf(key, {"ordered", "set", "fit"}); }
+
+bool sharesJointLists(const Case& which) { return which.variant == findVariant("mesh-ci"); }
+
+bool usesPartition(const Case& which) { return which.variant == findVariant("palette"); }
+
+bool storesSlim(const Case& which) {
+    return which.builder && (sharesJointLists(which) || which.shape.joints != JointSource::vertex);
+}
+
+static std::string commonWords(const CommonInfluences& common) {
+    const CommonInfluences usual;
+    std::string words;
+    if (common.grouping != usual.grouping) words += std::string("+ci-") + ciGroupingName(common.grouping);
+    if (common.key != usual.key) words += std::string("+ci-") + ciKeyName(common.key);
+    if (common.minVertices != usual.minVertices) words += std::format("+ci-min-{}", common.minVertices);
+    if (common.fat) words += "+fat";
+    return words;
+}
+
+static std::string shapeWords(const MeshShape& shape) {
+    std::string words;
+    if (shape.joints != JointSource::vertex) words += std::string("+joints-") + jointSourceName(shape.joints);
+    if (shape.clampedLoads) words += "+clamped-loads";
+    if (shape.orderedRecords) words += "+ordered-records";
+    if (shape.uniformPalette) words += "+uniform-palette";
+    return words;
 }
 
 std::string caseId(const Case& which) {
@@ -79,13 +104,48 @@ std::string caseId(const Case& which) {
         if (which.limits != MeshletLimits{}) id += std::format("+{}-{}", which.limits.vertices, which.limits.triangles);
         if (which.groupSize != Case{}.groupSize) id += std::format("+group-{}", which.groupSize);
         if (which.route->dialect == MeshDialect::nv && !which.packedWrites) id += "+unpacked-writes";
+        if (sharesJointLists(which)) id += commonWords(which.common);
+        id += shapeWords(which.shape);
     }
+    if (usesPartition(which)) id += std::format("+slots-{}", which.paletteSlots);
     if (which.influences != 4) id += std::format("+{}-influences", which.influences);
     if (which.fetch == VertexFetch::pull) id += "+pull";
     if (which.submission == Submission::batched) id += "+batched";
     if (which.keepBackFaces) id += "+keep-back-faces";
+    if (which.cull != Cull::off) id += std::string("+cull-") + cullName(which.cull);
+    if (which.exchange != Exchange::automatic) id += std::string("+") + exchangeName(which.exchange);
+    if (which.scenario == Scenario::prepass) id += "+prepass";
     if (which.raster != RasterMode::full) id += std::string("+") + rasterName(which.raster);
     return id;
+}
+
+// What one work group keeps in shared memory when it culls.
+static uint32_t exchangeBytes(const Case& which) {
+    if (which.cull == Cull::off) return 0;
+    return which.limits.vertices * 12 + (which.limits.triangles + which.groupSize * 4);
+}
+
+static std::optional<std::string> unsupportedOptions(const Case& which, const DeviceCaps& caps) {
+    if (which.cull == Cull::primitive && which.route->dialect == MeshDialect::nv)
+        return "gl_CullPrimitive exists in the EXT dialect only";
+    if ((which.cull == Cull::primitive || which.cull == Cull::torabi) && which.route->dialect == MeshDialect::ext &&
+        caps.primitiveCullIgnored)
+        return caps.name + " ignores gl_CullPrimitiveEXT";
+    if (which.exchange == Exchange::shuffle && which.cull != Cull::compact)
+        return std::string("--cull ") + cullName(which.cull) + " exchanges through shared memory only";
+    if (which.exchange == Exchange::shuffle && !canShuffle(which, caps))
+        return std::format("{} invocations a work group are not one subgroup that can shuffle: {} has {}",
+                           which.groupSize, caps.name, caps.subgroupSize);
+    const MeshLimitsOfDevice& limits = meshLimits(caps, which.route->dialect);
+    if (exchangeBytes(which) > limits.maxSharedBytes)
+        return std::format("{} bytes of shared memory: {} allows {}", exchangeBytes(which), caps.name,
+                           limits.maxSharedBytes);
+    if (which.shape.orderedRecords && which.codec->needsMeshlets)
+        return std::string("codec ") + which.codec->name + " orders its vertices by the width of their differences";
+    if (storesSlim(which) && which.codec != findCodec("uc"))
+        return std::string("codec ") + which.codec->name + " has no record without joint ids";
+    if (sharesJointLists(which) && which.shape.joints != JointSource::vertex) return "mesh-ci lists joints its own way";
+    return std::nullopt;
 }
 
 static std::optional<std::string> unsupportedMeshlets(const Case& which, const DeviceCaps& caps) {
@@ -101,12 +161,25 @@ static std::optional<std::string> unsupportedMeshlets(const Case& which, const D
     if (which.groupSize > limits.maxGroupSize)
         return std::format("{} invocations a mesh work group: {} allows {}", which.groupSize, caps.name,
                            limits.maxGroupSize);
-    return std::nullopt;
+    return unsupportedOptions(which, caps);
+}
+
+bool canShuffle(const Case& which, const DeviceCaps& caps) {
+    return caps.meshSubgroups && caps.subgroupSize == which.groupSize;
 }
 
 std::optional<std::string> unsupported(const Case& which, const DeviceCaps& caps) {
     if (which.route->api == Api::cpu) return std::nullopt;
     if (caps.timestampBits == 0) return caps.name + " offers no timestamps, so passes cannot be timed";
+    if (which.codec->needsMeshlets && which.route->dialect == MeshDialect::none)
+        return std::string("codec ") + which.codec->name + " decodes in mesh stages only";
+    if (usesPartition(which) && which.codec != findCodec("uc"))
+        return std::string("codec ") + which.codec->name + " stores joints, and palette draws need slots";
+    if (which.variant->fetches && which.route->dialect == MeshDialect::none && which.fetch == VertexFetch::attributes &&
+        !feedsAttributes(*which.codec))
+        return std::string("no attribute format carries codec ") + which.codec->name;
+    if ((which.shape.uniformPalette || usesPartition(which)) && which.submission == Submission::batched)
+        return "a uniform block holds one copy's palette, so copies cannot be drawn at once";
     if (which.route->dialect != MeshDialect::none) return unsupportedMeshlets(which, caps);
     // A vertex stage reads the palette, and the vertices when it pulls; verifying plans add the capture buffer.
     const uint32_t blocks = which.fetch == VertexFetch::pull ? 3 : 2;
@@ -114,6 +187,28 @@ std::optional<std::string> unsupported(const Case& which, const DeviceCaps& caps
         return std::format("{} storage blocks in the vertex stage: {} allows {}", blocks, caps.name,
                            caps.storageBlocksVertex);
     return std::nullopt;
+}
+
+uint64_t PaletteBlocks::stride() const {
+    const uint64_t bytes = size * sizeof(PaletteEntry);
+    return (bytes + kPaletteAlignment - 1) / kPaletteAlignment * kPaletteAlignment;
+}
+
+std::optional<PaletteBlocks> paletteBlocks(const Case& which, const PlanInput& input) {
+    if (usesPartition(which)) {
+        const PartitionPlan& plan = input.records->partition;
+        PaletteBlocks blocks{plan.slots, {}};
+        for (size_t command = 0; command < plan.commands.size(); ++command) {
+            const std::vector<uint16_t> slots = slotsAfter(plan, command);
+            blocks.joints.insert(blocks.joints.end(), slots.begin(), slots.end());
+        }
+        return blocks;
+    }
+    if (!which.shape.uniformPalette) return std::nullopt;
+    PaletteBlocks blocks;
+    blocks.size = static_cast<uint32_t>(input.scene->skeleton.joints.size());
+    for (uint32_t joint = 0; joint < blocks.size; ++joint) blocks.joints.push_back(static_cast<uint16_t>(joint));
+    return blocks;
 }
 
 static std::string mebibytes(uint64_t bytes) { return std::format("{:.1f} MiB", static_cast<double>(bytes) / 1048576); }
@@ -135,7 +230,11 @@ Result<FramePlan> makePlan(const Case& which, const PlanInput& input, const Devi
             return deviceError(std::format("needs a storage buffer of {} for {} copies: {} allows {}; use fewer copies",
                                            mebibytes(bytes), input.copies, caps.name, mebibytes(caps.maxStorageBytes)));
     }
-    if (plan->paletteBytes > caps.maxStorageBytes)
+    if (plan->paletteRange > caps.maxUniformBytes)
+        return deviceError(std::format("needs a uniform block of {} bytes for {} joints: {} allows {}",
+                                       plan->paletteRange, plan->paletteRange / sizeof(PaletteEntry), caps.name,
+                                       caps.maxUniformBytes));
+    if (!plan->paletteRange && plan->paletteBytes > caps.maxStorageBytes)
         return deviceError(std::format("needs a palette of {} for {} copies: {} allows {}; use fewer copies",
                                        mebibytes(plan->paletteBytes), input.copies, caps.name,
                                        mebibytes(caps.maxStorageBytes)));

@@ -27,11 +27,11 @@ struct Workload {
     ShaderLibrary shaders;
     Scene stored;
 
-    using MeshletKey = std::tuple<int, const Builder*, uint32_t, uint32_t>;
-    using EncodingKey = std::tuple<int, const Codec*, MeshletKey>;
+    // Keys: what of a case changes the content, as words.
     std::map<int, std::unique_ptr<Scene>> prepared;
-    std::map<MeshletKey, std::unique_ptr<MeshletMesh>> meshlets;
-    std::map<EncodingKey, std::unique_ptr<EncodedMesh>> encoded;
+    std::map<std::string, std::unique_ptr<MeshletMesh>> meshlets;
+    std::map<std::string, std::unique_ptr<Records>> records;
+    std::map<std::string, std::unique_ptr<EncodedMesh>> encoded;
     std::map<int, Bounds> bounds;  // of the clip
 };
 
@@ -55,6 +55,9 @@ struct FrameData {
     std::vector<PaletteEntry> palettes;
 };
 Result<FrameData> makeFrame(Workload& workload, int influences, uint32_t frame);
+
+// The palettes of all copies as uniform blocks, each at a multiple of kPaletteAlignment.
+std::vector<std::byte> blockedPalettes(const FrameData& frame, uint32_t copies, const PaletteBlocks& blocks);
 
 // One copy's part of FrameData::palettes.
 Palette paletteOfCopy(const FrameData& frame, uint32_t copies, uint32_t copy);

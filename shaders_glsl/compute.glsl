@@ -3,14 +3,9 @@
 #if STAGE_COMPUTE
 #include CODEC_FILE
 #include "skin.glsl"
+#include "skinned.glsl"
 
 layout(local_size_x = 64) in;
-
-struct SkinnedVertex {
-    vec4 positionU;
-    vec4 normalV;
-};
-layout(std430, binding = SLOT_SKINNED) writeonly restrict buffer SkinnedBlock { SkinnedVertex skinnedVertices[]; };
 
 void main() {
     uint i = gl_GlobalInvocationID.x + drawConstants.y * 64u;
@@ -23,9 +18,9 @@ void main() {
     uint copyNumber = drawConstants.x;
     uint place = copyNumber * uint(VERTEX_COUNT) + i;
 #endif
-    Vertex vertex = loadVertex(place);
+    Vertex vertex = loadVertex(place, copyNumber);
     Skinned skinned = skinVertex(vertex, copyNumber);
-    skinnedVertices[place] = SkinnedVertex(vec4(skinned.position, vertex.uv.x), vec4(skinned.normal, vertex.uv.y));
+    storeSkinned(place, skinned.position, skinned.normal, vertex.uv);
 }
 #endif
 

@@ -7,11 +7,19 @@
 
 layout(std140, binding = SLOT_FRAME) uniform FrameBlock { FrameConstants frame; };
 
+// Two passes that must agree on every bit of the depth (DepthTest::equalKeep) may not contract operations differently.
+#if SAME_DEPTH
+#define EXACT precise
+#else
+#define EXACT
+#endif
+
 // Copies stand on a grid. The offset is added after skinning, so that skinned positions stay near the origin, where
 // floats are dense, and can be compared with the reference of a single character.
 vec4 clipPosition(vec3 skinned, uint copyNumber) {
-    float row = floor((float(copyNumber) + 0.5) / frame.grid.x);
-    float column = float(copyNumber) - row * frame.grid.x;
-    vec3 placed = skinned + vec3(column * frame.grid.y, -row * frame.grid.z, 0.0);
-    return frame.viewProjection * vec4(placed, 1.0);
+    EXACT float row = floor((float(copyNumber) + 0.5) / frame.grid.x);
+    EXACT float column = float(copyNumber) - row * frame.grid.x;
+    EXACT vec3 placed = skinned + vec3(column * frame.grid.y, -row * frame.grid.z, 0.0);
+    EXACT vec4 clip = frame.viewProjection * vec4(placed, 1.0);
+    return clip;
 }

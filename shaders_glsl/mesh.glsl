@@ -1,30 +1,123 @@
 // `mesh`: one meshlet a work group, every vertex of the meshlet skinned where it is drawn (Torabi 3.1). With
-// SKINNING 0 the variant `none` on mesh routes: the same loads and loops, no joint read.
-#include CODEC_FILE
-#include "skin.glsl"
-
+// SKINNING 0 the variant `none` on mesh routes: the same loads and loops, no joint read. With COMMON_INFLUENCES 1 the
+// variant `mesh-ci` (Torabi 3.1.1). As first pass of a pre-pass it also keeps what it has skinned, as second pass
+// (REUSE_SKINNED) it reads that.
 #if STAGE_MESH
+#include "mesh_vertex.glsl"
 #include "mesh_io.glsl"
-#include "meshlet.glsl"
 #include "capture.glsl"
+#if PREPASS
+#include "skinned.glsl"
+#endif
+
+#define VERTICES_OF_LANE uint((MESHLET_VERTICES + GROUP_SIZE - 1) / GROUP_SIZE)
+
+void saveVertex(Meshlet meshlet, LaneVertex made) {
+#if PREPASS
+    storeSkinned(meshlet.copyNumber * uint(VERTEX_COUNT) + made.id, made.skinned.position, made.skinned.normal, made.uv);
+#else
+    captureVertex(made.skinned.position, made.skinned.normal, made.uv, meshlet.copyNumber, made.id);
+#endif
+}
+
+void writeVertex(Meshlet meshlet, uint i, LaneVertex made) {
+    emitMeshVertex(i, clipPosition(made.skinned.position, meshlet.copyNumber), made.skinned.normal, made.uv, made.color);
+}
+
+#if CULL == CULL_COMPACT
+#include "cull.glsl"
+
+// Nothing is written before it is known how many triangles are left, so each lane keeps its vertices until then.
+void main() {
+    Meshlet meshlet = loadMeshlet();
+    uvec3 words[FOURS_OF_LANE];
+    for (uint k = 0u; k < FOURS_OF_LANE; ++k) words[k] = meshletFourTriangles(meshlet, clampedFour(meshlet, k));
+    stageJoints(meshlet);
+
+    LaneVertex made[VERTICES_OF_LANE];
+    vec4 clip[VERTICES_OF_LANE];
+    for (uint k = 0u; k < VERTICES_OF_LANE; ++k) {
+        uint i = gl_LocalInvocationID.x + k * uint(GROUP_SIZE);
+        made[k] = makeVertex(meshlet, min(i, meshlet.vertexCount - 1u));
+        clip[k] = clipPosition(made[k].skinned.position, meshlet.copyNumber);
+        offerVertex(i, k, clip[k]);
+        if (i < meshlet.vertexCount) saveVertex(meshlet, made[k]);
+    }
+    finishOffers();
+
+    uint kept[FOURS_OF_LANE];
+    for (uint k = 0u; k < FOURS_OF_LANE; ++k) {
+        kept[k] = keptOfFour(meshlet, firstOfFour(k), words[k]);
+        countKept(k, kept[k]);
+    }
+    uint total = finishCount();
+    setMeshletCounts(total == 0u ? 0u : meshlet.vertexCount, total);
+    if (total == 0u) return;
+
+    for (uint k = 0u; k < VERTICES_OF_LANE; ++k) {
+        uint i = gl_LocalInvocationID.x + k * uint(GROUP_SIZE);
+        if (i < meshlet.vertexCount)
+            emitMeshVertex(i, clip[k], made[k].skinned.normal, made[k].uv, made[k].color);
+    }
+    for (uint k = 0u; k < FOURS_OF_LANE; ++k) writeKept(k, kept[k], words[k]);
+}
+
+#else
+#if CULL != CULL_OFF
+#include "cull.glsl"
+#endif
 
 void main() {
     Meshlet meshlet = loadMeshlet();
+    stageJoints(meshlet);
     setMeshletCounts(meshlet.vertexCount, meshlet.triangleCount);
 
-    for (uint i = gl_LocalInvocationID.x; i < meshlet.vertexCount; i += uint(GROUP_SIZE)) {
-        uint id = meshletVertexId(meshlet, i);
-        Vertex vertex = loadVertex(meshlet.copyNumber * uint(VERTEX_COUNT) + id);
-#if SKINNING
-        Skinned skinned = skinVertex(vertex, meshlet.copyNumber);
-#else
-        Skinned skinned = keepVertex(vertex);
+#if CLAMPED_LOADS
+    // Loading unconditionally lets the compiler overlap the vertices of a lane.
+    LaneVertex made[VERTICES_OF_LANE];
+    for (uint k = 0u; k < VERTICES_OF_LANE; ++k)
+        made[k] = makeVertex(meshlet, min(gl_LocalInvocationID.x + k * uint(GROUP_SIZE), meshlet.vertexCount - 1u));
+    for (uint k = 0u; k < VERTICES_OF_LANE; ++k) {
+        uint i = gl_LocalInvocationID.x + k * uint(GROUP_SIZE);
+        if (i >= meshlet.vertexCount) break;
+        writeVertex(meshlet, i, made[k]);
+        saveVertex(meshlet, made[k]);
+#if CULL != CULL_OFF
+        offerVertex(i, k, clipPosition(made[k].skinned.position, meshlet.copyNumber));
 #endif
-        emitMeshVertex(i, skinned.position, skinned.normal, vertex.uv, viewColor(vertex, meshlet.number),
-                       meshlet.copyNumber);
-        captureVertex(skinned.position, skinned.normal, vertex.uv, meshlet.copyNumber, id);
     }
+#else
+    for (uint i = gl_LocalInvocationID.x; i < meshlet.vertexCount; i += uint(GROUP_SIZE)) {
+        LaneVertex made = makeVertex(meshlet, i);
+        writeVertex(meshlet, i, made);
+        saveVertex(meshlet, made);
+#if CULL != CULL_OFF
+        offerVertex(i, 0u, clipPosition(made.skinned.position, meshlet.copyNumber));
+#endif
+    }
+#endif
+#if CULL == CULL_OFF
     for (uint first = gl_LocalInvocationID.x * 4u; first < meshlet.triangleCount; first += uint(GROUP_SIZE) * 4u)
         writeFourTriangles(first, meshlet.triangleCount, meshletFourTriangles(meshlet, first));
+#else
+    finishOffers();
+#if MESH_NV
+    uvec3 words[FOURS_OF_LANE];
+    uint kept[FOURS_OF_LANE];
+    for (uint k = 0u; k < FOURS_OF_LANE; ++k) {
+        words[k] = meshletFourTriangles(meshlet, clampedFour(meshlet, k));
+        kept[k] = keptOfFour(meshlet, firstOfFour(k), words[k]);
+        countKept(k, kept[k]);
+    }
+    setMeshletCounts(meshlet.vertexCount, finishCount());
+    for (uint k = 0u; k < FOURS_OF_LANE; ++k) writeKept(k, kept[k], words[k]);
+#else
+    for (uint first = gl_LocalInvocationID.x * 4u; first < meshlet.triangleCount; first += uint(GROUP_SIZE) * 4u) {
+        uvec3 words = meshletFourTriangles(meshlet, first);
+        writeFlagged(meshlet, first, keptOfFour(meshlet, first, words), words);
+    }
+#endif
+#endif
 }
+#endif
 #endif

@@ -1,16 +1,31 @@
-// Reads one meshlet of the layout `redirect` (common/meshlets.h draws the bits).
+// Reads one meshlet of the layouts `redirect` and `fixed` (common/meshlets.h draws the words).
 #include "frame.glsl"
 
-layout(std430, binding = SLOT_MESHLET) readonly restrict buffer MeshletBlock { uvec2 meshletDescriptors[]; };
+#define WIDE_HEADER (RECORDS_ORDERED || JOINTS != JOINTS_VERTEX)
+
+#if !LAYOUT_FIXED
+#if WIDE_HEADER
+#define DESCRIPTOR uvec4
+#else
+#define DESCRIPTOR uvec2
+#endif
+layout(std430, binding = SLOT_MESHLET) readonly restrict buffer MeshletBlock { DESCRIPTOR meshletDescriptors[]; };
+#endif
 layout(std430, binding = SLOT_MESHLET_DATA) readonly restrict buffer MeshletDataBlock { uint meshletData[]; };
+#if JOINTS != JOINTS_VERTEX || COMMON_INFLUENCES
+layout(std430, binding = SLOT_MESHLET_EXTRA) readonly restrict buffer MeshletExtraBlock { uint meshletExtra[]; };
+#endif
 
 struct Meshlet {
-    uint number;        // within its copy
+    uint number;         // within its copy
     uint copyNumber;
     uint vertexCount;
     uint triangleCount;
-    uint firstId;       // word of the first vertex id
-    uint firstIndex;    // word of the first local indices
+    bool sharesList;     // its vertices share one joint list
+    uint firstId;        // word of the first vertex id
+    uint firstIndex;     // word of the first local indices
+    uint firstRecord;    // RECORDS_ORDERED: its records stand one behind the other
+    uint firstJoint;     // JOINTS: word of its joint list
 };
 
 Meshlet loadMeshlet() {
@@ -23,18 +38,60 @@ Meshlet loadMeshlet() {
     meshlet.copyNumber = drawConstants.x;
     meshlet.number = group;
 #endif
-    uvec2 descriptor = meshletDescriptors[meshlet.copyNumber * uint(MESHLET_COUNT) + meshlet.number];
-    meshlet.vertexCount = bitfieldExtract(descriptor.y, 16, 15);
-    meshlet.triangleCount = bitfieldExtract(descriptor.y, 0, 16);
-    meshlet.firstId = meshlet.copyNumber * uint(MESHLET_DATA_WORDS) + descriptor.x;
+    uint firstWord = meshlet.copyNumber * uint(MESHLET_DATA_WORDS);
+#if LAYOUT_FIXED
+    firstWord += meshlet.number * uint(MESHLET_WORDS);
+    uint counts = meshletData[firstWord];
+    meshlet.firstId = firstWord + 1u;
+#if WIDE_HEADER
+    meshlet.firstRecord = meshletData[firstWord + 1u];
+    meshlet.firstJoint = meshletData[firstWord + 2u];
+    meshlet.firstId += 2u;
+#endif
+#else
+    DESCRIPTOR descriptor = meshletDescriptors[meshlet.copyNumber * uint(MESHLET_COUNT) + meshlet.number];
+    uint counts = descriptor.y;
+    meshlet.firstId = firstWord + descriptor.x;
+#if WIDE_HEADER
+    meshlet.firstRecord = descriptor.z;
+    meshlet.firstJoint = descriptor.w;
+#endif
+#endif
+    meshlet.vertexCount = bitfieldExtract(counts, 0, 16);
+    meshlet.triangleCount = bitfieldExtract(counts, 16, 15);
+    meshlet.sharesList = counts >= 0x80000000u;
+#if RECORDS_ORDERED
+    meshlet.firstIndex = meshlet.firstId;
+#elif LAYOUT_FIXED
+    meshlet.firstIndex = meshlet.firstId + uint(MESHLET_VERTICES);
+#else
     meshlet.firstIndex = meshlet.firstId + meshlet.vertexCount;
+#endif
+#if JOINTS != JOINTS_VERTEX
+    meshlet.firstJoint += meshlet.copyNumber * uint(MESHLET_EXTRA_WORDS);
+#endif
     return meshlet;
 }
 
-uint meshletVertexId(Meshlet meshlet, uint i) { return meshletData[meshlet.firstId + i]; }
+uint meshletVertexId(Meshlet meshlet, uint i) {
+#if RECORDS_ORDERED
+    return meshlet.firstRecord + i;
+#else
+    return meshletData[meshlet.firstId + i];
+#endif
+}
 
 // Local indices of the triangles first … first + 3; `first` is a multiple of four.
 uvec3 meshletFourTriangles(Meshlet meshlet, uint first) {
     uint word = meshlet.firstIndex + first / 4u * 3u;
     return uvec3(meshletData[word], meshletData[word + 1u], meshletData[word + 2u]);
+}
+
+// Three words hold four triangles, a byte an index:   x: a0 b0 c0 a1   y: b1 c1 a2 b2   z: c2 a3 b3 c3   (low to high)
+uvec3 triangleOfFour(uvec3 words, uint which) {
+    uvec3 corners = which == 0u   ? uvec3(words.x, words.x >> 8, words.x >> 16)
+                    : which == 1u ? uvec3(words.x >> 24, words.y, words.y >> 8)
+                    : which == 2u ? uvec3(words.y >> 16, words.y >> 24, words.z)
+                                  : uvec3(words.z >> 8, words.z >> 16, words.z >> 24);
+    return corners & 0xFFu;
 }

@@ -21,6 +21,15 @@
 
 #define SLOT_COUNT 10
 
+// Values of the defines CULL and JOINTS: what the enums Cull and JointSource of common/variant.h count.
+#define CULL_OFF 0
+#define CULL_COMPACT 1
+#define CULL_PRIMITIVE 2
+#define CULL_TORABI 3
+#define JOINTS_VERTEX 0
+#define JOINTS_MESHLET 1
+#define JOINTS_STAGED 2
+
 #ifdef __cplusplus
 #include <cstdint>
 #include <glm/glm.hpp>

@@ -2,7 +2,24 @@
 // in every variant on every API.
 #include "frame.glsl"
 
+// Three rows a joint. As a uniform block a draw sees the joints of its own copy only.
+#if PALETTE_UNIFORM
+layout(std140, binding = SLOT_PALETTE) uniform PaletteBlock { vec4 paletteRows[JOINT_COUNT * 3]; };
+#define FIRST_JOINT(copyNumber) 0u
+#else
 layout(std430, binding = SLOT_PALETTE) readonly restrict buffer PaletteBlock { vec4 paletteRows[]; };
+#define FIRST_JOINT(copyNumber) ((copyNumber) * uint(JOINT_COUNT))
+#endif
+
+// The rows of the joints that a work group uses, where it copies them first.
+#if STAGED_JOINTS
+shared vec4 stagedRows[STAGED_JOINTS * 3];
+#define SKIN_ROW(i) stagedRows[i]
+#define SKIN_FIRST_JOINT(copyNumber) 0u
+#else
+#define SKIN_ROW(i) paletteRows[i]
+#define SKIN_FIRST_JOINT(copyNumber) FIRST_JOINT(copyNumber)
+#endif
 
 struct Skinned {
     vec3 position;
@@ -16,13 +33,13 @@ struct Blend {
 };
 
 void addInfluence(inout Blend blend, uint firstRow, float weight) {
-    blend.row0 += weight * paletteRows[firstRow];
-    blend.row1 += weight * paletteRows[firstRow + 1u];
-    blend.row2 += weight * paletteRows[firstRow + 2u];
+    blend.row0 += weight * SKIN_ROW(firstRow);
+    blend.row1 += weight * SKIN_ROW(firstRow + 1u);
+    blend.row2 += weight * SKIN_ROW(firstRow + 2u);
 }
 
 void addFour(inout Blend blend, uint copyNumber, uvec4 joints, vec4 weights) {
-    uvec4 rows = (joints + copyNumber * uint(JOINT_COUNT)) * 3u;
+    uvec4 rows = (joints + SKIN_FIRST_JOINT(copyNumber)) * 3u;
     addInfluence(blend, rows.x, weights.x);
     addInfluence(blend, rows.y, weights.y);
     addInfluence(blend, rows.z, weights.z);

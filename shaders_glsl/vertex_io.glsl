@@ -1,8 +1,10 @@
-// The output side of a vertex stage. GEOMETRY_DONE(…) is the last thing such a stage does.
+// The output side of a vertex stage.
 #include "frame.glsl"
 #include "view.glsl"
 
+#if !DEPTH_ONLY
 layout(location = 0) out SURFACE_BLOCK surface;
+#endif
 
 out gl_PerVertex { vec4 gl_Position; };
 
@@ -17,6 +19,8 @@ uint vertexCopy() {
 
 void emitVertex(vec3 position, vec3 normal, vec2 uv, uint copyNumber) {
     gl_Position = clipPosition(position, copyNumber);
+#if !DEPTH_ONLY
     surface.normal = normal;
     surface.uv = uv;
+#endif
 }

@@ -9,9 +9,10 @@ vec3 blendColors(uvec4 joints, vec4 weights) {
 }
 #endif
 
-vec3 viewColor(Vertex vertex, uint meshlet) {
+// `remainder`: a meshlet that shares no joint list, beside those that do.
+vec3 viewColor(Vertex vertex, uint meshlet, bool remainder) {
 #if VIEW == VIEW_MESHLETS
-    return labelColor(meshlet);
+    return remainder ? vec3(0.85, 0.08, 0.06) : labelColor(meshlet);
 #elif VIEW == VIEW_WEIGHTS
     vec3 color = blendColors(vertex.joints0, vertex.weights0);
 #if INFLUENCES == 8

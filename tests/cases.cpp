@@ -9,45 +9,117 @@
 namespace skinbench {
 namespace fs = std::filesystem;
 
+namespace {
+
+bool onMeshRoute(const Case& which) { return which.route->dialect != MeshDialect::none; }
+
+Case plainCase(const Route& route, const Variant& variant, const Codec& codec) {
+    Case which;
+    which.route = &route;
+    which.variant = &variant;
+    which.codec = &codec;
+    if (onMeshRoute(which)) {
+        which.builder = findBuilder("meshopt");
+        which.layout = findMeshletLayout("redirect");
+    } else if (variant.fetches && !feedsAttributes(codec)) {
+        which.fetch = VertexFetch::pull;
+    }
+    return which;
+}
+
+// What every variant has: influences, submission, and a second value of whatever the route offers.
+void addCommon(std::vector<Case>& cases, const Case& plain) {
+    for (int influences : {4, 8})
+        for (Submission submission : {Submission::perCopy, Submission::batched})
+            for (bool second : {false, true}) {
+                Case which = plain;
+                which.influences = influences;
+                which.submission = submission;
+                if (usesPartition(which) && submission == Submission::batched) continue;
+                if (second && onMeshRoute(which)) {
+                    which.builder = findBuilder("scan");
+                    which.packedWrites = false;
+                } else if (second && which.variant->fetches) {
+                    which.fetch = VertexFetch::pull;
+                }
+                cases.push_back(which);
+            }
+}
+
+void addViews(std::vector<Case>& cases, const Case& plain) {
+    for (View view : {View::meshlets, View::weights, View::tuples}) {
+        Case which = plain;
+        which.view = view;
+        if (onMeshRoute(which) || (view != View::meshlets && which.variant->fetches)) cases.push_back(which);
+    }
+}
+
+// One option at a time, and a few together.
+void addMeshOptions(std::vector<Case>& cases, const Case& plain) {
+    auto add = [&](auto change) {
+        Case which = plain;
+        change(which);
+        cases.push_back(which);
+    };
+    add([](Case& c) { c.layout = findMeshletLayout("fixed"); });
+    add([](Case& c) { c.shape.clampedLoads = true; });
+    add([](Case& c) { c.shape.orderedRecords = true; });
+    add([](Case& c) { c.shape.orderedRecords = true, c.layout = findMeshletLayout("fixed"); });
+    if (!plain.variant->skins) return;
+    add([](Case& c) { c.shape.uniformPalette = true; });
+    for (Scenario scenario : {Scenario::direct, Scenario::prepass}) {
+        for (Cull cull : {Cull::compact, Cull::primitive, Cull::torabi})
+            if (cull != Cull::primitive || plain.route->dialect == MeshDialect::ext)
+                add([&](Case& c) { c.cull = cull, c.scenario = scenario, c.exchange = Exchange::shared; });
+        add([&](Case& c) { c.cull = Cull::compact, c.scenario = scenario, c.exchange = Exchange::shuffle; });
+        add([&](Case& c) { c.cull = Cull::compact, c.scenario = scenario, c.limits = {128, 256}; });
+    }
+    add([](Case& c) { c.scenario = Scenario::prepass, c.submission = Submission::batched; });
+    if (sharesJointLists(plain)) {
+        add([](Case& c) { c.common.fat = true; });
+        add([](Case& c) { c.common.grouping = CiGrouping::triangles, c.common.key = CiKey::ordered; });
+        add([](Case& c) { c.common.grouping = CiGrouping::triangles, c.common.minVertices = 4, c.influences = 8; });
+        return;
+    }
+    for (JointSource joints : {JointSource::meshlet, JointSource::staged})
+        for (int influences : {4, 8}) {
+            add([&](Case& c) { c.shape.joints = joints, c.influences = influences; });
+            add([&](Case& c) {
+                c.shape = {joints, true, true, true}, c.influences = influences, c.cull = Cull::compact;
+            });
+        }
+}
+
+}  // namespace
+
 std::vector<Case> everyCase() {
     std::vector<Case> cases;
     for (const Route& route : routes())
-        for (const Variant& variant : variants())
+        for (const Variant& variant : variants()) {
+            if (!runsOn(variant, route) || route.api == Api::cpu) continue;
             for (const Codec& codec : codecs()) {
-                if (!runsOn(variant, route) || route.api == Api::cpu) continue;
-                const bool meshes = route.dialect != MeshDialect::none;
-                for (int influences : {4, 8})
-                    for (Submission submission : {Submission::perCopy, Submission::batched})
-                        for (bool second : {false, true}) {
-                            Case which;
-                            which.route = &route;
-                            which.variant = &variant;
-                            which.codec = &codec;
-                            which.influences = influences;
-                            which.submission = submission;
-                            if (meshes) {
-                                which.builder = findBuilder(second ? "scan" : "meshopt");
-                                which.layout = findMeshletLayout("redirect");
-                                which.packedWrites = !second;
-                            } else if (variant.fetches) {
-                                which.fetch = second ? VertexFetch::pull : VertexFetch::attributes;
-                            }
-                            cases.push_back(which);
-                        }
-                for (View view : {View::meshlets, View::weights, View::tuples}) {
-                    if (!meshes && (view == View::meshlets || !variant.fetches)) continue;
-                    Case which;
-                    which.route = &route;
-                    which.variant = &variant;
-                    which.codec = &codec;
-                    which.view = view;
-                    if (meshes) {
-                        which.builder = findBuilder("meshopt");
-                        which.layout = findMeshletLayout("redirect");
+                const Case plain = plainCase(route, variant, codec);
+                if (feedsAttributes(codec)) {
+                    addCommon(cases, plain);
+                    addViews(cases, plain);
+                    if (onMeshRoute(plain)) addMeshOptions(cases, plain);
+                    if (variant.prepasses && !onMeshRoute(plain)) {
+                        cases.push_back(plain);
+                        cases.back().scenario = Scenario::prepass;
                     }
-                    cases.push_back(which);
+                    continue;
                 }
+                if (variant.onCpuRoute || unsupported(plain, generousCaps(route.api))) continue;
+                cases.push_back(plain);
+                if (variant.prepasses) {
+                    cases.push_back(plain);
+                    cases.back().scenario = Scenario::prepass;
+                }
+                if (codec.name != std::string("uc16") && codec.name != std::string("pc")) continue;
+                cases.push_back(plain);
+                cases.back().influences = 8;
             }
+        }
     return cases;
 }
 
@@ -59,7 +131,11 @@ DeviceCaps generousCaps(Api api) {
     caps.timestampPeriodNs = 1;
     caps.ext = {true, 256, 256, 128, 65535, 32768, 28672, 32};
     caps.nv = caps.ext;
+    caps.subgroupSize = 32;
+    caps.meshSubgroups = true;
+    caps.subpixelBits = 8;
     caps.maxComputeGroupCount = 65535;
+    caps.maxComputeSharedBytes = 49152;
     caps.maxStorageBytes = uint64_t{1} << 32;
     caps.maxUniformBytes = 65536;
     caps.storageBlocksVertex = 8;

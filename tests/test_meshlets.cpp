@@ -41,19 +41,30 @@ void requireGoodCuts(const Mesh& mesh) {
         }
 }
 
-// The triangles with their winding as the shader would read them, straight from the words of the header's layout.
-std::vector<std::array<uint32_t, 3>> decode(const PackedMeshlets& packed) {
+// The triangles with their winding as the shader would read them, straight from the words that the header draws.
+std::vector<std::array<uint32_t, 3>> decode(const PackedMeshlets& packed, const MeshletMesh& cut,
+                                            const MeshletPacking& packing) {
+    const bool wide = packing.orderedRecords || !packing.extraStart.empty();
+    const size_t header = wide ? 3 : 1;
     std::vector<std::array<uint32_t, 3>> triangles;
-    for (size_t m = 0; m + 1 < packed.descriptors.size(); m += 2) {
-        const uint32_t first = packed.descriptors[m], counts = packed.descriptors[m + 1];
-        const uint32_t vertices = counts >> 16 & 0x7FFF, count = counts & 0xFFFF;
+    for (size_t m = 0; m < cut.meshlets.size(); ++m) {
+        const size_t descriptor = m * (wide ? 4 : 2), block = m * packed.fixedWords;
+        const bool fixed = packed.fixedWords > 0;
+        auto head = [&](size_t word) {
+            return fixed ? packed.data.at(block + word) : packed.descriptors.at(descriptor + 1 + word);
+        };
+        const uint32_t vertices = head(0) & 0xFFFF, count = head(0) >> 16 & 0x7FFF;
+        CHECK((head(0) >> 31 == 1) == (m < packing.commonMeshlets));
+        if (!packing.extraStart.empty()) CHECK(head(2) == packing.extraStart[m]);
+        const size_t ids = fixed ? block + header : packed.descriptors.at(descriptor);
+        const size_t indices = ids + (packing.orderedRecords ? 0 : fixed ? cut.limits.vertices : vertices);
         for (uint32_t t = 0; t < count; ++t) {
             std::array<uint32_t, 3> corners;
             for (uint32_t c = 0; c < 3; ++c) {
                 const uint32_t byte = t * 3 + c;
-                const uint32_t local = packed.data.at(first + vertices + byte / 4) >> byte % 4 * 8 & 0xFF;
+                const uint32_t local = packed.data.at(indices + byte / 4) >> byte % 4 * 8 & 0xFF;
                 REQUIRE(local < vertices);
-                corners[c] = packed.data.at(first + local);
+                corners[c] = packing.orderedRecords ? cut.vertices.at(head(1) + local) : packed.data.at(ids + local);
             }
             triangles.push_back(corners);
         }
@@ -191,12 +202,32 @@ TEST_CASE("redirect packs the words that its layout describes") {
                           {{0, 0, 4, 5}, {4, 5, 3, 1}},
                           {10, 11, 12, 70'000, 7, 8, 9},
                           {{0, 1, 2}, {2, 1, 3}, {3, 0, 1}, {1, 2, 3}, {3, 2, 0}, {2, 0, 1}}};
-    const PackedMeshlets packed = findMeshletLayout("redirect")->pack(cut);
-    CHECK(packed.descriptors == std::vector<uint32_t>{0, 4u << 16 | 5, 10, 3u << 16 | 1});
+    const PackedMeshlets packed = findMeshletLayout("redirect")->pack(cut, {});
+    CHECK(packed.descriptors == std::vector<uint32_t>{0, 5u << 16 | 4, 10, 1u << 16 | 3});
+    CHECK(packed.fixedWords == 0);
     CHECK(packed.data == std::vector<uint32_t>{10, 11, 12, 70'000,                  // vertices
                                                0x02020100, 0x00030301, 0x03020101,  // triangles 0 to 3
                                                0x00000203, 0, 0,                    // triangle 4, filled up
                                                7, 8, 9, 0x00010002, 0, 0});
+}
+
+TEST_CASE("redirect packs what a case adds") {
+    const MeshletMesh cut{{}, {{0, 0, 3, 1}, {3, 1, 3, 1}}, {5, 6, 7, 7, 6, 8}, {{0, 1, 2}, {2, 1, 0}}};
+    const PackedMeshlets ordered =
+        findMeshletLayout("redirect")->pack(cut, {.orderedRecords = true, .commonMeshlets = 1, .extraStart = {40, 50}});
+    CHECK(ordered.descriptors == std::vector<uint32_t>{0, 1u << 31 | 1u << 16 | 3, 0, 40, 3, 1u << 16 | 3, 3, 50});
+    CHECK(ordered.data == std::vector<uint32_t>{0x00020100, 0, 0, 0x00000102, 0, 0});
+}
+
+TEST_CASE("fixed takes 640 bytes a meshlet for 64 vertices and 126 triangles") {
+    const MeshletMesh cut{{64, 126}, {{0, 0, 3, 1}, {3, 1, 3, 1}}, {5, 6, 7, 7, 6, 8}, {{0, 1, 2}, {2, 1, 0}}};
+    const PackedMeshlets packed = findMeshletLayout("fixed")->pack(cut, {});
+    CHECK(packed.descriptors.empty());
+    CHECK(packed.fixedWords * 4 == 640);
+    CHECK(packed.data.size() == 2 * 160 + 2);
+    CHECK(packed.data[160] == (1u << 16 | 3));
+    CHECK(packed.data[161] == 7);
+    CHECK(packed.data[160 + 65] == 0x00000102);
 }
 
 TEST_CASE("packed meshlets decode to the triangles that were packed") {
@@ -205,17 +236,23 @@ TEST_CASE("packed meshlets decode to the triangles that were packed") {
     REQUIRE(robot);
     for (const Mesh* mesh : {&tiny.mesh, &robot->mesh})
         for (const Builder& builder : builders())
-            for (const MeshletLimits& limits : kLimits) {
-                const MeshletMesh cut = builder.build(*mesh, limits);
-                const PackedMeshlets packed = findMeshletLayout("redirect")->pack(cut);
-                INFO(builder.name << " " << limits.vertices << "/" << limits.triangles);
-                CHECK(packed.descriptors.size() == cut.meshlets.size() * 2);
-                CHECK(decode(packed) == trianglesOf(cut));
-                size_t words = 0;
-                for (const Meshlet& meshlet : cut.meshlets)
-                    words += meshlet.vertexCount + (meshlet.triangleCount + 3) / 4 * 3;
-                CHECK(packed.data.size() == words);
-            }
+            for (const MeshletLimits& limits : kLimits)
+                for (const MeshletLayout& layout : meshletLayouts())
+                    for (bool ordered : {false, true})
+                        for (bool extra : {false, true}) {
+                            const MeshletMesh cut = builder.build(*mesh, limits);
+                            MeshletPacking packing{.orderedRecords = ordered, .commonMeshlets = 1};
+                            for (uint32_t m = 0; extra && m < cut.meshlets.size(); ++m)
+                                packing.extraStart.push_back(m * 7);
+                            const PackedMeshlets packed = layout.pack(cut, packing);
+                            INFO(builder.name << " " << layout.name << " " << limits.vertices << "/"
+                                              << limits.triangles);
+                            CHECK(decode(packed, cut, packing) == trianglesOf(cut));
+                            // The shader reads whole groups of four triangles.
+                            const size_t last = cut.meshlets.back().triangleCount;
+                            const size_t tail = packed.fixedWords ? packed.fixedWords : 0;
+                            CHECK(packed.data.size() >= tail * cut.meshlets.size() + (last + 3) / 4 * (tail ? 0 : 3));
+                        }
 }
 
 TEST_CASE("statistics of a cut made by hand") {

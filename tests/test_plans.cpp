@@ -135,6 +135,8 @@ TEST_CASE("variants run on the routes that can carry them") {
                                                        {"vertex", "vk gl"},
                                                        {"compute", "vk gl"},
                                                        {"mesh", "vk-ext vk-nv gl-ext gl-nv"},
+                                                       {"mesh-ci", "vk-ext vk-nv gl-ext gl-nv"},
+                                                       {"palette", "vk gl"},
                                                        {"cpu", "vk gl cpu"}};
     for (const auto& [variant, names] : wanted) {
         std::string found;
@@ -453,6 +455,10 @@ TEST_CASE("the null backend runs every plan of every case") {
             auto frame = makeFrame(workload, which.influences, 0);
             REQUIRE(frame);
             FrameInput input{frame->constants, std::as_bytes(std::span(frame->palettes)), {}};
+            const auto blocks = paletteBlocks(which, *planInput(workload, which));
+            const std::vector<std::byte> blocked =
+                blocks ? blockedPalettes(*frame, 2, *blocks) : std::vector<std::byte>();
+            if (blocks) input.palette = blocked;
             if (plan.paletteBytes == 0) input.palette = {};
             REQUIRE(input.palette.size() == plan.paletteBytes);
             auto timings = null->run(*id, std::vector{input, input});

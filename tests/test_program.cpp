@@ -62,6 +62,7 @@ TEST_CASE("version and help") {
                                {"verify", "-h"},
                                {"probe", "--help"},
                                {"render", "--help"},
+                               {"partition", "--help"},
                                {"report", "--help"},
                                {"scene", "--help"}}) {
         const Outcome help = call(words);
@@ -110,6 +111,11 @@ TEST_CASE("words that do not exist") {
         {{"scene"}, 2, "subcommand"},
         {{"scene", "export", "robot"}, 2, "out"},
         {{"scene", "delete"}, 2, "delete"},
+        {{"partition"}, 2, "scene"},
+        {{"partition", "builtin:robot:2000", "--hardware", "abacus"}, 2, "no hardware 'abacus'; there is generic"},
+        {{"partition", "builtin:robot:2000", "--solver", "exact"}, 2, "no solver 'exact'; there is simple, cheapest"},
+        {{"partition", "builtin:robot:2000", "--order", "best"}, 2, "no order 'best'; there is given, size, lexico"},
+        {{"partition", "builtin:robot:2000", "--hardware", "vs1", "--slots", "9"}, 2, "vs1 has 28"},
         {{"report"}, 2, "files"},
     });
     CHECK(!fs::exists(pathOf("results")));
@@ -160,6 +166,9 @@ TEST_CASE("bad numbers") {
         {{"bench", "--size", "axb"}, 2, "size 'a'"},
         {{"bench", "--size", "16385x16"}, 2, "1 to 16384"},
         {{"bench", "--size", "99999999999x2"}, 2, "size"},
+        {{"partition", "builtin:robot:2000", "--slots", "0"}, 2, "--slots"},
+        {{"partition", "builtin:robot:2000", "--slots", "65536"}, 2, "--slots"},
+        {{"partition", "builtin:robot:2000", "--influences", "5"}, 2, "influences must be 4 or 8"},
         {{"render", "builtin:robot:2000", "--yaw", "sideways", "-o", "x.png"}, 2, "--yaw"},
         {{"render", "builtin:robot:2000", "--yaw", "361", "-o", "x.png"}, 2, "--yaw"},
         {{"render", "builtin:robot:2000", "--copies", "0", "-o", "x.png"}, 2, "--copies"},
@@ -209,6 +218,7 @@ TEST_CASE("files that are no scene") {
     }
     calls.push_back({{"scene", "export", "missing.glb", "y.glb"}, 2, "no such file"});
     calls.push_back({{"scene", "export", "cat", "y.glb"}, 2, "there is no built-in scene"});
+    calls.push_back({{"partition", "missing.glb"}, 2, "no such file"});
     calls.push_back({{"render", "missing.glb", "--route", "vk", "-o", "y.png"}, 2, "no such file"});
     calls.push_back({{"bench", "missing.glb", "--routes", "cpu", "--out", "y"}, 2, "no such file"});
     checkRefused(calls);
@@ -356,6 +366,40 @@ TEST_CASE("scene list, export and verify") {
         CHECK(row["gpu_ms"].is_null());
     }
     CHECK(!fs::exists(pathOf("results")));
+}
+
+TEST_CASE("partition prints a table or the command list") {
+    const Words words = {"partition", "builtin:creature:4000", "--slots", "20", "--order", "lexicographic"};
+    const Outcome table = call(words);
+    INFO(table.err);
+    CHECK(table.status == 0);
+    CHECK(table.err == "");
+    Words asJson = words;
+    asJson.push_back("--json");
+    const Outcome list = call(asJson);
+    CHECK(list.status == 0);
+    const json found = json::parse(list.out, nullptr, false);
+    REQUIRE(found.is_object());
+    CHECK(found["schema"] == "skinbench-partition/1");
+    CHECK(found["solver"] == "cheapest-insertion");
+    CHECK(found["hardware"]["slots"] == 20);
+    CHECK(found["commands"].size() == found["passes"]);
+    CHECK(found["passes"] > 2);
+    size_t uploads = 0, triangles = 0;
+    for (const json& command : found["commands"]) {
+        uploads += command["loads"].size();
+        CHECK(command["first_triangle"] == triangles);
+        triangles += command["triangle_count"].get<size_t>();
+        for (const json& load : command["loads"]) CHECK(load["slot"] < 20);
+    }
+    CHECK(found["uploads"] == uploads);
+    CHECK(found["triangles"].size() == triangles);
+    CHECK_THAT(table.out, ContainsSubstring("\nuploads   " + std::to_string(uploads) + "\n"));
+    CHECK_THAT(table.out, ContainsSubstring("\npasses    " + std::to_string(found["passes"].get<int>()) + "\n"));
+
+    const Words bent = {"partition", "builtin:biped:4000", "--hardware", "rigid"};
+    checkRefused(call(bent), 2, "but rigid has 1 palette slot; keep fewer influences a vertex (--influences)");
+    CHECK(call({"partition", "builtin:robot:2000", "--hardware", "rigid", "--solver", "simple"}).status == 0);
 }
 
 TEST_CASE("probe tells what there is and what auto takes") {

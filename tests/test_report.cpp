@@ -69,15 +69,15 @@ std::vector<CaseResult> makeResults() {
     results[0].submit = {0.125};
     results[0].meshlets = 12;
     results[0].memory = MemoryBytes{1000, 0, 24, 0, 0, 0, 0};
-    results[0].accuracy = Accuracy{{1.5e-7, 2e-6}, 2e-6, 0, "vk-ext/mesh/uc/scan/redirect"};
+    results[0].accuracy = Accuracy{{1.5e-7, 2e-6}, 2e-6, {1.5e-7, 2e-6}, 0, "vk-ext/mesh/uc/scan/redirect"};
     results.push_back(makeResult(makeCase("gl", "compute"), CaseStatus::ok));
     results[1].total = {0.5};
     results[1].passes = {{"skin", {0.2}}, {"draw", {0.3}}};
     results[1].memory = MemoryBytes{2048, 512, 0, 0, 0, 0, 1024};
-    results[1].accuracy = Accuracy{{1e-7, 1e-6}, 2e-6, 0.25, "vk-ext/mesh/uc/scan/redirect"};
+    results[1].accuracy = Accuracy{{1e-7, 1e-6}, 2e-6, {3e-5, 4e-4}, 0.25, "vk-ext/mesh/uc/scan/redirect"};
     results.push_back(makeResult(makeCase("gl-nv", "mesh"), CaseStatus::skipped, "Real GPU has no GL_NV_mesh_shader"));
     results.push_back(makeResult(makeCase("vk", "vertex"), CaseStatus::failed, "off by \"1\", <far>\nand more"));
-    results[3].accuracy = Accuracy{{std::numeric_limits<double>::infinity(), 0.5}, 2e-6, 0, {}};
+    results[3].accuracy = Accuracy{{std::numeric_limits<double>::infinity(), 0.5}, 2e-6, {}, 0, {}};
     results.push_back(makeResult(makeCase("cpu", "cpu"), CaseStatus::ok));
     results[4].accuracy = Accuracy{{0, 0}, 2e-6, 0, {}};
     return results;
@@ -155,8 +155,8 @@ TEST_CASE("the result file has the keys of its schema") {
     CHECK(keysOf(row["host_ms"]) == Keys{"record", "submit"});
     CHECK(keysOf(row["memory_bytes"]) ==
           Keys{"vertex", "index", "meshlet", "additional_meshlet", "tuple", "palette", "skinned", "total"});
-    CHECK(keysOf(row["accuracy"]) ==
-          Keys{"max_position_error", "max_normal_error", "tolerance", "image_difference", "image_reference"});
+    CHECK(keysOf(row["accuracy"]) == Keys{"max_position_error", "max_normal_error", "tolerance", "codec_position_error",
+                                          "codec_normal_error", "image_difference", "image_reference"});
 }
 
 TEST_CASE("the values of the result file") {
@@ -183,7 +183,9 @@ TEST_CASE("the values of the result file") {
     CHECK(mesh["memory_bytes"]["total"] == 1024);
     CHECK(mesh["accuracy"]["max_position_error"] == 1.5e-7);
     const Json options = {{"influences", "4"},        {"submission", "per-copy"},   {"back_faces", "culled"},
-                          {"meshlet_vertices", "64"}, {"meshlet_triangles", "124"}, {"group_size", "32"}};
+                          {"meshlet_vertices", "64"}, {"meshlet_triangles", "124"}, {"group_size", "32"},
+                          {"joints", "vertex"},       {"loads", "guarded"},         {"records", "indexed"},
+                          {"palette", "storage"}};
     CHECK(mesh["options"] == options);
     CHECK(json["cases"][1]["passes_ms"]["skin"] == 0.2);
     CHECK(json["cases"][1]["accuracy"]["image_difference"] == 0.25);

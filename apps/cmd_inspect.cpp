@@ -1,0 +1,121 @@
+#include <format>
+#include <iostream>
+
+#include <nlohmann/json.hpp>
+
+#include "apps/apps.h"
+#include "common/inspect.h"
+
+namespace skinbench {
+namespace {
+
+// The selectors' own rules read the options: every case stands for one key.
+Result<InspectSettings> inspectSettings(Selectors selectors) {
+    selectors.routes = {"vk-ext"};
+    selectors.variants = {"mesh-ci"};
+    selectors.codecs = {"uc"};
+    selectors.builders = {builders().front().name};
+    selectors.layouts = {meshletLayouts().front().name};
+    selectors.ciGroupings = {ciGroupingName(CiGrouping::triangles)};
+    InspectSettings settings;
+    if (selectors.ciKeys.empty())
+        for (CiKey key : settings.keys) selectors.ciKeys.push_back(ciKeyName(key));
+    auto cases = crossCases(selectors);
+    if (!cases) return std::unexpected(cases.error());
+    settings.limits = cases->front().limits;
+    settings.influences = cases->front().influences;
+    settings.minVertices = cases->front().common.minVertices;
+    settings.keys.clear();
+    for (const Case& which : *cases) settings.keys.push_back(which.common.key);
+    return settings;
+}
+
+std::string cutName(const MeshletRow& row) {
+    if (!row.grouping) return "plain";
+    return ciGroupingName(*row.grouping) + (row.key ? std::string("/") + ciKeyName(*row.key) : std::string());
+}
+
+void printScene(const Inspection& inspection) {
+    const SceneStats& stats = inspection.stats;
+    std::cout << std::format(
+        "{}: {} vertices, {} triangles, {} joints, {} tuples, {:.2f} influences ({} at the most)\n", inspection.scene,
+        stats.vertices, stats.triangles, stats.joints, stats.uniqueTuples, stats.meanInfluences, stats.maxInfluences);
+}
+
+void printMeshlets(const Inspection& inspection) {
+    std::cout << std::format(
+        "\nmeshlets of at most {} vertices and {} triangles; common: one list of at most {} joints, "
+        "{} vertices a group or more\n",
+        inspection.settings.limits.vertices, inspection.settings.limits.triangles, inspection.settings.influences,
+        inspection.settings.minVertices);
+    std::cout
+        << "geometry order  builder cut               meshlets vertices triangles  v fill  t fill  reuse  tuples  "
+           "joints most  common   records remainder\n";
+    for (const MeshletRow& row : inspection.meshlets) {
+        const MeshletStats& stats = row.stats;
+        std::cout << std::format(
+            "{:<8} {:<6} {:<7} {:<17} {:>8} {:>8.1f} {:>9.1f} {:>6.1f}% {:>6.1f}% {:>6.3f} {:>7.2f} {:>7.2f} {:>4}",
+            geometryName(row.geometry), row.cacheOrder ? "cache" : "file", row.builder->name, cutName(row),
+            stats.meshlets, stats.meanVertices, stats.meanTriangles, stats.vertexFill * 100, stats.triangleFill * 100,
+            stats.vertexReuse, stats.meanUniqueTuples, row.joints.mean, row.joints.largest);
+        std::cout << (row.grouping
+                          ? std::format(" {:>7} {:>9} {:>9}\n", row.commonMeshlets, row.records, row.remainderTriangles)
+                          : "\n");
+    }
+}
+
+void printAttributes(const AttributeErrors& errors) {
+    std::cout << "\nquantised attributes       mean error  largest error\n";
+    auto line = [](const std::string& name, const ErrorFigure& figure) {
+        std::cout << std::format("{:<26} {:>10.3e} {:>14.3e}\n", name, figure.mean, figure.max);
+    };
+    for (const auto& [bits, figure] : errors.position) line(std::format("position, {} bits", bits), figure);
+    line("uv, 16 bits", errors.uv);
+    line("normal, Euclidean 10 bits", errors.euclidean);
+    line("normal, spherical 16 bits", errors.spherical);
+    line("normal, octahedral 16 bits", errors.octahedral);
+}
+
+void printCodecs(const Inspection& inspection) {
+    std::cout << "\nbytes of one copy; blend: bytes a vertex for joints and weights, with copied vertices\n"
+                 "geometry builder codec      vertices  vertex buf  index buf";
+    for (const MeshletLayout& layout : meshletLayouts()) std::cout << std::format(" {:>10}", layout.name);
+    std::cout << "  extra buf  tuple buf  blend  mean weight error  largest\n";
+    for (const CodecRow& row : inspection.codecs) {
+        std::cout << std::format("{:<8} {:<7} {:<10}", geometryName(row.geometry), row.builder->name, row.codec->name);
+        if (!row.reason.empty()) {
+            std::cout << " " << row.reason << "\n";
+            continue;
+        }
+        auto bytes = [](const std::optional<uint64_t>& count) { return count ? std::to_string(*count) : "-"; };
+        std::cout << std::format(" {:>8} {:>11} {:>10}", row.vertices, row.vertexBytes, bytes(row.indexBytes));
+        for (const MeshletLayout& layout : meshletLayouts())
+            std::cout << std::format(" {:>10}", row.descriptorBytes.at(layout.name) + row.dataBytes.at(layout.name));
+        std::cout << std::format(" {:>10} {:>10}", bytes(row.meshletExtraBytes), bytes(row.tupleBytes));
+        std::cout << std::format(" {:>6.2f} {:>18.3e} {:>8.1e}\n", row.blendBytesPerVertex, row.errors.weight.mean,
+                                 row.errors.weight.max);
+    }
+}
+
+}  // namespace
+
+int runInspect(const InspectOptions& options) {
+    auto settings = inspectSettings(options.selectors);
+    if (!settings) return reportError(settings.error());
+    auto stored = loadScene(options.selectors.scene);
+    if (!stored) return reportError(stored.error());
+    auto inspection = inspectScene(*stored, *settings);
+    if (!inspection) return reportError(inspection.error());
+    for (const std::string& warning : inspection->warnings) warn(inspection->scene + ": " + warning);
+    if (options.json) {
+        std::cout << inspectJson(*inspection).dump(1) << "\n";
+        return kExitDone;
+    }
+    printScene(*inspection);
+    printMeshlets(*inspection);
+    printAttributes(inspection->attributes);
+    printCodecs(*inspection);
+    return kExitDone;
+}
+
+}  // namespace skinbench

@@ -1,0 +1,53 @@
+// Tables of words, shared by the files that read the command line.
+#pragma once
+
+#include <algorithm>
+#include <format>
+#include <string>
+#include <vector>
+
+#include "apps/apps.h"
+
+namespace skinbench {
+
+template <class Value>
+struct Word {
+    const char* name;
+    Value value;
+};
+
+template <class Row>
+std::string tableNames(const std::vector<Row>& rows) {
+    std::string names;
+    for (const Row& row : rows) names += (names.empty() ? "" : ", ") + std::string(row.name);
+    return names;
+}
+
+// The rows that the words name, or all rows for no words.
+template <class Row>
+Result<std::vector<const Row*>> chosenRows(const std::vector<Row>& rows, const std::vector<std::string>& words,
+                                           const char* kind) {
+    std::vector<const Row*> chosen;
+    if (words.empty())
+        for (const Row& row : rows) chosen.push_back(&row);
+    for (const std::string& word : words) {
+        auto row = std::ranges::find_if(rows, [&](const Row& candidate) { return word == candidate.name; });
+        if (row == rows.end()) return inputError(std::format("no {} '{}'; there is {}", kind, word, tableNames(rows)));
+        if (std::ranges::find(chosen, &*row) == chosen.end()) chosen.push_back(&*row);
+    }
+    return chosen;
+}
+
+// "A<separator>B", both from 1 to `most`.
+Result<std::pair<uint32_t, uint32_t>> parsePair(const std::string& text, char separator, const char* what,
+                                                uint32_t most);
+
+// The raster modes that were named, or those of the preset; an unknown preset is an error.
+Result<std::vector<std::string>> chosenRasters(const Selectors& selectors);
+
+// Names of a list's words, for help texts and messages.
+std::string selectorWords(const std::string& option);
+std::string presetWords();
+std::string geometryWords();
+
+}  // namespace skinbench

@@ -1,0 +1,152 @@
+// Back-face culling in the mesh stage, three ways:
+//
+//   CULL_COMPACT    only the triangles that are left are written, one behind the other
+//   CULL_PRIMITIVE  all are written, those to drop with gl_CullPrimitiveEXT (EXT only; not redeclared, because Mesa's
+//                   OpenGL compiler refuses a boolean output)
+//   CULL_TORABI     determinant of (x, y, w) once all outputs are written (Torabi 5.1.3); EXT drops with
+//                   gl_CullPrimitiveEXT, NV by compaction. Loses visible micro triangles: cancellation.
+//
+// Lanes exchange positions through shared memory or, compacting, by shuffles (EXCHANGE_SHUFFLE; right only where one
+// subgroup is the work group). Outputs are never read.
+#include "meshlet.glsl"
+
+#define FOURS_OF_LANE uint((MESHLET_TRIANGLES + GROUP_SIZE * 4 - 1) / (GROUP_SIZE * 4))
+
+uint firstOfFour(uint k) { return (gl_LocalInvocationID.x + k * uint(GROUP_SIZE)) * 4u; }
+uint clampedFour(Meshlet meshlet, uint k) { return min(firstOfFour(k), (meshlet.triangleCount - 1u) / 4u * 4u); }
+
+#if CULL == CULL_TORABI
+#define OFFERED vec3
+#else
+#define OFFERED vec2
+#endif
+
+// No atomics: NVIDIA's OpenGL compiler (580.159) dies of those on shared variables of mesh stages.
+#if EXCHANGE_SHUFFLE
+OFFERED offered[VERTICES_OF_LANE];
+#else
+shared OFFERED offered[MESHLET_VERTICES];
+shared uint keptOfFours[FOURS_OF_LANE * GROUP_SIZE];
+#endif
+
+// A vertex behind the eye or far outside the view has no position that could be trusted: its triangles are kept.
+#define UNTRUSTED 1e30
+
+void offerVertex(uint i, uint k, vec4 clip) {
+#if CULL == CULL_TORABI
+    OFFERED offer = clip.xyw;
+#else
+    bool trusted = max(abs(clip.x), abs(clip.y)) < 8.0 * clip.w;
+    OFFERED offer = trusted ? clip.xy / clip.w * (0.5 * vec2(IMAGE_WIDTH, IMAGE_HEIGHT)) : OFFERED(UNTRUSTED);
+#endif
+#if EXCHANGE_SHUFFLE
+    offered[k] = offer;
+#else
+    if (i < uint(MESHLET_VERTICES)) offered[i] = offer;
+#endif
+}
+
+void finishOffers() {
+#if !EXCHANGE_SHUFFLE
+    memoryBarrierShared();
+    barrier();
+#endif
+}
+
+OFFERED offeredBy(uint vertex) {
+#if EXCHANGE_SHUFFLE
+    OFFERED found = subgroupShuffle(offered[0], vertex % uint(GROUP_SIZE));
+    for (uint k = 1u; k < VERTICES_OF_LANE; ++k) {
+        OFFERED other = subgroupShuffle(offered[k], vertex % uint(GROUP_SIZE));
+        if (vertex / uint(GROUP_SIZE) == k) found = other;
+    }
+    return found;
+#else
+    return offered[vertex];
+#endif
+}
+
+// Front faces are counter-clockwise as seen, with y down: their doubled area is negative here.
+#if CULL == CULL_TORABI
+bool isBackFace(OFFERED a, OFFERED b, OFFERED c) { return determinant(mat3(a, b, c)) > 0.0; }
+#else
+// The rasteriser decides on positions that it has rounded to a fraction of a pixel, so a triangle is dropped only when
+// its area keeps its sign whatever the rounding: each edge component moves by at most two roundings.
+bool isBackFace(OFFERED a, OFFERED b, OFFERED c) {
+    const float moved = 2.0 * 0.625 / float(SUBPIXELS);
+    vec2 ab = b - a, ac = c - a;
+    float doubledArea = ab.x * ac.y - ab.y * ac.x;
+    float doubt = moved * (abs(ab.x) + abs(ab.y) + abs(ac.x) + abs(ac.y)) + 2.0 * moved * moved;
+    return doubledArea > doubt && max(max(a.x, b.x), c.x) < UNTRUSTED;
+}
+#endif
+
+// A bit a triangle: 1 where first + bit is there and not known to be a back face. With shuffles every lane must call it.
+uint keptOfFour(Meshlet meshlet, uint first, uvec3 words) {
+    uint kept = 0u;
+    for (uint which = 0u; which < 4u; ++which) {
+        uvec3 corners = triangleOfFour(words, which);
+        bool back = isBackFace(offeredBy(corners.x), offeredBy(corners.y), offeredBy(corners.z));
+        if (!back && first + which < meshlet.triangleCount) kept |= 1u << which;
+    }
+    return kept;
+}
+
+// --- compaction ---------------------------------------------------------------------------------------------------
+
+#if EXCHANGE_SHUFFLE
+uint placeOfLane[FOURS_OF_LANE];
+uint counted = 0u;
+
+void countKept(uint k, uint kept) {
+    uvec4 lower = gl_SubgroupLtMask;
+    placeOfLane[k] = counted;
+    for (uint which = 0u; which < 4u; ++which) {
+        uvec4 lanes = subgroupBallot(bitfieldExtract(kept, int(which), 1) != 0u);
+        placeOfLane[k] += subgroupBallotBitCount(lanes & lower);
+        counted += subgroupBallotBitCount(lanes);
+    }
+}
+
+uint finishCount() { return counted; }
+uint placeOfKept(uint k) { return placeOfLane[k]; }
+#else
+uint fourOfLane(uint k) { return gl_LocalInvocationID.x + k * uint(GROUP_SIZE); }
+
+void countKept(uint k, uint kept) { keptOfFours[fourOfLane(k)] = uint(bitCount(kept)); }
+
+uint placeOfFour(uint four) {
+    uint place = 0u;
+    for (uint i = 0u; i < four; ++i) place += keptOfFours[i];
+    return place;
+}
+
+uint finishCount() {
+    memoryBarrierShared();
+    barrier();
+    return placeOfFour(FOURS_OF_LANE * uint(GROUP_SIZE));
+}
+
+uint placeOfKept(uint k) { return placeOfFour(fourOfLane(k)); }
+#endif
+
+void writeKept(uint k, uint kept, uvec3 words) {
+    uint place = placeOfKept(k);
+    for (uint which = 0u; which < 4u; ++which)
+        if (bitfieldExtract(kept, int(which), 1) != 0u) writeTriangle(place++, triangleOfFour(words, which));
+}
+
+// --- a flag a triangle --------------------------------------------------------------------------------------------
+
+#if !MESH_NV && CULL != CULL_COMPACT
+void writeFlagged(Meshlet meshlet, uint first, uint kept, uvec3 words) {
+    for (uint which = 0u; which < 4u && first + which < meshlet.triangleCount; ++which) {
+        writeTriangle(first + which, triangleOfFour(words, which));
+        // Constants: LLVM 19 under Mesa 26.1 aborts on a computed value.
+        if (bitfieldExtract(kept, int(which), 1) != 0u)
+            gl_MeshPrimitivesEXT[first + which].gl_CullPrimitiveEXT = false;
+        else
+            gl_MeshPrimitivesEXT[first + which].gl_CullPrimitiveEXT = true;
+    }
+}
+#endif
