@@ -57,6 +57,7 @@ struct Selectors {
     std::vector<std::string> meshlets;   // "64/124" or the name of such a pair
     std::vector<int> influences;         // empty: 4
     std::vector<uint32_t> groupSizes;    // empty: 32
+    std::string shape = "given";
     std::string geometry = "welded";
     bool noCacheOrder = false;
     bool keepBackFaces = false;
@@ -76,6 +77,10 @@ struct Selectors {
 // The crossed cases, without combinations that exist on no device (a mesh variant on a route without mesh shaders).
 // A word that is in no table is an error that lists the table.
 Result<std::vector<Case>> crossCases(const Selectors& selectors);
+
+// --shape auto: times every shape of each mesh case for a few frames and gives the case its fastest.
+Result<std::vector<Calibration>> calibrateShapes(Workload& workload, std::vector<Case>& cases, const Backends& backends,
+                                                 const BenchSettings& settings);
 
 // The settings with the devices' defaults filled in.
 Result<WorkloadSettings> workloadSettings(const Selectors& selectors, bool anyHardware);

@@ -115,6 +115,11 @@ int runCases(const RunOptions& options) {
         warn("this is a " + context.buildType + " build; times of the host are not those of a release");
 
     catchInterrupts();
+    if (selectors.shape == "auto") {
+        auto calibrations = calibrateShapes(*workload, *cases, devices->byApi, context.bench);
+        if (!calibrations) return reportError(calibrations.error());
+        context.calibrations = std::move(*calibrations);
+    }
     const ProgressBar bar;
     BenchEvents events;
     events.progress = [&](const std::string& what, double fraction) { bar.draw(what, fraction); };

@@ -191,6 +191,7 @@ Result<std::vector<Case>> crossCases(const Selectors& s) {
     std::erase_if(all.cases, [](const Case& c) { return !runsOn(*c.variant, *c.route); });
     all.byRows<Codec>(codecs(), orDefault(s.codecs, "uc"), "codec", everyRow,
                       [](Case& c, const Codec& row) { c.codec = &row; });
+    if (all.error) return std::unexpected(*all.error);
     // The CPU skins the vertices themselves.
     std::erase_if(all.cases, [](const Case& c) { return c.variant->onCpuRoute && !feedsAttributes(*c.codec); });
     if (auto crossed = crossMeshlets(all, s); !crossed) return std::unexpected(crossed.error());

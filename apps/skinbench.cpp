@@ -63,6 +63,9 @@ void addLists(CLI::App& command, Selectors& s) {
 void addSelectors(CLI::App& command, Selectors& s) {
     command.add_option("scene", s.scene, "a .gltf or .glb file, or builtin:NAME[:VERTICES]")->capture_default_str();
     addLists(command, s);
+    command.add_option("--shape", s.shape, "given: as joints, loads, records and palette say; auto: the fastest of them")
+        ->check(CLI::IsMember({"given", "auto"}))
+        ->capture_default_str();
     command.add_option("--geometry", s.geometry, geometryWords())->capture_default_str();
     command.add_flag("--no-cache-order", s.noCacheOrder, "keep the file's triangle order");
     command.add_flag("--keep-back-faces", s.keepBackFaces, "draw without the rasteriser's back-face culling");

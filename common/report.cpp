@@ -183,6 +183,12 @@ Json resultsJson(const RunContext& context, const std::vector<CaseResult>& resul
     Json devices = Json::array(), cases = Json::array();
     for (const DeviceCaps& caps : context.devices) devices.push_back(capsJson(caps));
     for (const CaseResult& result : results) cases.push_back(caseJson(result));
+    Json calibrations = Json::array();
+    for (const Calibration& calibration : context.calibrations) {
+        Json tried = Json::array();
+        for (const auto& [id, median] : calibration.tried) tried.push_back({{"id", id}, {"median_ms", median}});
+        calibrations.push_back({{"chosen", calibration.chosen}, {"tried", tried}});
+    }
     const char* geometry[] = {"welded", "stored", "unwelded"};
     return {{"schema", kResultsSchema},
             {"tool", {{"version", context.version}, {"revision", context.revision}, {"build_type", context.buildType}}},
@@ -207,6 +213,7 @@ Json resultsJson(const RunContext& context, const std::vector<CaseResult>& resul
               {"seed", context.bench.seed},
               {"geometry", geometry[static_cast<int>(context.workload.prepare.geometry)]},
               {"cache_order", context.workload.prepare.cacheOrder}}},
+            {"calibrations", calibrations},
             {"cases", cases}};
 }
 

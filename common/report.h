@@ -12,6 +12,12 @@ namespace skinbench {
 
 inline constexpr const char* kResultsSchema = "skinbench-results/1";
 
+// How `--shape auto` chose the shape of a case: every shape that was tried, in milliseconds a frame.
+struct Calibration {
+    std::string chosen;  // the id of the case with its chosen shape
+    std::vector<std::pair<std::string, double>> tried;
+};
+
 // Where a run took place and what it was asked for.
 struct RunContext {
     std::string version, revision, buildType;
@@ -21,6 +27,7 @@ struct RunContext {
     SceneStats scene;  // prepared with `influences`
     WorkloadSettings workload;
     BenchSettings bench;
+    std::vector<Calibration> calibrations;
 };
 
 // Version, revision and build type of this program, operating system and processor of this machine.

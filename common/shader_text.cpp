@@ -135,6 +135,7 @@ Result<ShaderText> shaderText(const ShaderLibrary& library, const ShaderRequest&
     if (request.stage == Stage::mesh || request.stage == Stage::task)
         text += std::string("#extension ") +
                 (request.dialect == MeshDialect::nv ? "GL_NV_mesh_shader" : "GL_EXT_mesh_shader") + " : require\n";
+    if (request.api == Api::vulkan) text += "#extension GL_EXT_control_flow_attributes : require\n";
     if (request.subgroups && request.stage == Stage::mesh)
         for (const char* part : {"basic", "vote", "ballot", "shuffle"})
             text += std::string("#extension GL_KHR_shader_subgroup_") + part + " : require\n";

@@ -56,7 +56,7 @@ void finishOffers() {
 OFFERED offeredBy(uint vertex) {
 #if EXCHANGE_SHUFFLE
     OFFERED found = subgroupShuffle(offered[0], vertex % uint(GROUP_SIZE));
-    for (uint k = 1u; k < VERTICES_OF_LANE; ++k) {
+    UNROLL for (uint k = 1u; k < VERTICES_OF_LANE; ++k) {
         OFFERED other = subgroupShuffle(offered[k], vertex % uint(GROUP_SIZE));
         if (vertex / uint(GROUP_SIZE) == k) found = other;
     }
@@ -84,7 +84,7 @@ bool isBackFace(OFFERED a, OFFERED b, OFFERED c) {
 // A bit a triangle: 1 where first + bit is there and not known to be a back face. With shuffles every lane must call it.
 uint keptOfFour(Meshlet meshlet, uint first, uvec3 words) {
     uint kept = 0u;
-    for (uint which = 0u; which < 4u; ++which) {
+    UNROLL for (uint which = 0u; which < 4u; ++which) {
         uvec3 corners = triangleOfFour(words, which);
         bool back = isBackFace(offeredBy(corners.x), offeredBy(corners.y), offeredBy(corners.z));
         if (!back && first + which < meshlet.triangleCount) kept |= 1u << which;
@@ -101,7 +101,7 @@ uint counted = 0u;
 void countKept(uint k, uint kept) {
     uvec4 lower = gl_SubgroupLtMask;
     placeOfLane[k] = counted;
-    for (uint which = 0u; which < 4u; ++which) {
+    UNROLL for (uint which = 0u; which < 4u; ++which) {
         uvec4 lanes = subgroupBallot(bitfieldExtract(kept, int(which), 1) != 0u);
         placeOfLane[k] += subgroupBallotBitCount(lanes & lower);
         counted += subgroupBallotBitCount(lanes);
@@ -132,7 +132,7 @@ uint placeOfKept(uint k) { return placeOfFour(fourOfLane(k)); }
 
 void writeKept(uint k, uint kept, uvec3 words) {
     uint place = placeOfKept(k);
-    for (uint which = 0u; which < 4u; ++which)
+    UNROLL for (uint which = 0u; which < 4u; ++which)
         if (bitfieldExtract(kept, int(which), 1) != 0u) writeTriangle(place++, triangleOfFour(words, which));
 }
 
@@ -140,7 +140,7 @@ void writeKept(uint k, uint kept, uvec3 words) {
 
 #if !MESH_NV && CULL != CULL_COMPACT
 void writeFlagged(Meshlet meshlet, uint first, uint kept, uvec3 words) {
-    for (uint which = 0u; which < 4u && first + which < meshlet.triangleCount; ++which) {
+    UNROLL for (uint which = 0u; which < 4u && first + which < meshlet.triangleCount; ++which) {
         writeTriangle(first + which, triangleOfFour(words, which));
         // Constants: LLVM 19 under Mesa 26.1 aborts on a computed value.
         if (bitfieldExtract(kept, int(which), 1) != 0u)

@@ -31,22 +31,31 @@ void writeVertex(Meshlet meshlet, uint i, LaneVertex made) {
 void main() {
     Meshlet meshlet = loadMeshlet();
     uvec3 words[FOURS_OF_LANE];
-    for (uint k = 0u; k < FOURS_OF_LANE; ++k) words[k] = meshletFourTriangles(meshlet, clampedFour(meshlet, k));
+    UNROLL for (uint k = 0u; k < FOURS_OF_LANE; ++k) words[k] = meshletFourTriangles(meshlet, clampedFour(meshlet, k));
     stageJoints(meshlet);
 
     LaneVertex made[VERTICES_OF_LANE];
     vec4 clip[VERTICES_OF_LANE];
-    for (uint k = 0u; k < VERTICES_OF_LANE; ++k) {
+    UNROLL for (uint k = 0u; k < VERTICES_OF_LANE; ++k) {
         uint i = gl_LocalInvocationID.x + k * uint(GROUP_SIZE);
+#if CLAMPED_LOADS
         made[k] = makeVertex(meshlet, min(i, meshlet.vertexCount - 1u));
         clip[k] = clipPosition(made[k].skinned.position, meshlet.copyNumber);
-        offerVertex(i, k, clip[k]);
         if (i < meshlet.vertexCount) saveVertex(meshlet, made[k]);
+#else
+        clip[k] = vec4(0.0, 0.0, 0.0, 1.0);
+        if (i < meshlet.vertexCount) {
+            made[k] = makeVertex(meshlet, i);
+            clip[k] = clipPosition(made[k].skinned.position, meshlet.copyNumber);
+            saveVertex(meshlet, made[k]);
+        }
+#endif
+        offerVertex(i, k, clip[k]);
     }
     finishOffers();
 
     uint kept[FOURS_OF_LANE];
-    for (uint k = 0u; k < FOURS_OF_LANE; ++k) {
+    UNROLL for (uint k = 0u; k < FOURS_OF_LANE; ++k) {
         kept[k] = keptOfFour(meshlet, firstOfFour(k), words[k]);
         countKept(k, kept[k]);
     }
@@ -54,12 +63,12 @@ void main() {
     setMeshletCounts(total == 0u ? 0u : meshlet.vertexCount, total);
     if (total == 0u) return;
 
-    for (uint k = 0u; k < VERTICES_OF_LANE; ++k) {
+    UNROLL for (uint k = 0u; k < VERTICES_OF_LANE; ++k) {
         uint i = gl_LocalInvocationID.x + k * uint(GROUP_SIZE);
         if (i < meshlet.vertexCount)
             emitMeshVertex(i, clip[k], made[k].skinned.normal, made[k].uv, made[k].color);
     }
-    for (uint k = 0u; k < FOURS_OF_LANE; ++k) writeKept(k, kept[k], words[k]);
+    UNROLL for (uint k = 0u; k < FOURS_OF_LANE; ++k) writeKept(k, kept[k], words[k]);
 }
 
 #else
@@ -75,9 +84,9 @@ void main() {
 #if CLAMPED_LOADS
     // Loading unconditionally lets the compiler overlap the vertices of a lane.
     LaneVertex made[VERTICES_OF_LANE];
-    for (uint k = 0u; k < VERTICES_OF_LANE; ++k)
+    UNROLL for (uint k = 0u; k < VERTICES_OF_LANE; ++k)
         made[k] = makeVertex(meshlet, min(gl_LocalInvocationID.x + k * uint(GROUP_SIZE), meshlet.vertexCount - 1u));
-    for (uint k = 0u; k < VERTICES_OF_LANE; ++k) {
+    UNROLL for (uint k = 0u; k < VERTICES_OF_LANE; ++k) {
         uint i = gl_LocalInvocationID.x + k * uint(GROUP_SIZE);
         if (i >= meshlet.vertexCount) break;
         writeVertex(meshlet, i, made[k]);
@@ -104,13 +113,13 @@ void main() {
 #if MESH_NV
     uvec3 words[FOURS_OF_LANE];
     uint kept[FOURS_OF_LANE];
-    for (uint k = 0u; k < FOURS_OF_LANE; ++k) {
+    UNROLL for (uint k = 0u; k < FOURS_OF_LANE; ++k) {
         words[k] = meshletFourTriangles(meshlet, clampedFour(meshlet, k));
         kept[k] = keptOfFour(meshlet, firstOfFour(k), words[k]);
         countKept(k, kept[k]);
     }
     setMeshletCounts(meshlet.vertexCount, finishCount());
-    for (uint k = 0u; k < FOURS_OF_LANE; ++k) writeKept(k, kept[k], words[k]);
+    UNROLL for (uint k = 0u; k < FOURS_OF_LANE; ++k) writeKept(k, kept[k], words[k]);
 #else
     for (uint first = gl_LocalInvocationID.x * 4u; first < meshlet.triangleCount; first += uint(GROUP_SIZE) * 4u) {
         uvec3 words = meshletFourTriangles(meshlet, first);

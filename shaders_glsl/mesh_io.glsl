@@ -36,7 +36,7 @@ void writeFourTriangles(uint first, uint triangleCount, uvec3 words) {
 }
 #else
 void writeFourTriangles(uint first, uint triangleCount, uvec3 words) {
-    for (uint which = 0u; which < 4u; ++which)
+    UNROLL for (uint which = 0u; which < 4u; ++which)
         if (first + which < triangleCount) writeTriangle(first + which, triangleOfFour(words, which));
 }
 #endif

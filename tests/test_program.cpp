@@ -411,7 +411,7 @@ TEST_CASE("probe tells what there is and what auto takes") {
     CHECK(found["auto"]["route"].is_string());
     CHECK(found["auto"]["variant"].is_string());
     for (const json& device : found["devices"])
-        CHECK(device["routes"].size() == 8);  // 4 variants without mesh shaders, 2 on each mesh route
+        CHECK(device["routes"].size() == 11);  // 5 variants without mesh shaders, 3 on each mesh route
     const Outcome text = call({"probe"});
     CHECK(text.status == 0);
     CHECK_THAT(text.out, ContainsSubstring("auto: " + found["auto"]["route"].get<std::string>()));

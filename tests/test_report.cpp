@@ -129,7 +129,7 @@ TEST_CASE("the host has a name") {
 
 TEST_CASE("the result file has the keys of its schema") {
     const Json json = sample();
-    CHECK(keysOf(json) == Keys{"schema", "tool", "host", "devices", "scene", "settings", "cases"});
+    CHECK(keysOf(json) == Keys{"schema", "tool", "host", "devices", "scene", "settings", "calibrations", "cases"});
     CHECK(json["schema"] == "skinbench-results/1");
     CHECK(keysOf(json["tool"]) == Keys{"version", "revision", "build_type"});
     CHECK(keysOf(json["host"]) == Keys{"os", "cpu"});
