@@ -7,15 +7,18 @@ namespace skinbench {
 namespace {
 
 Result<View> parseView(const std::string& word) {
-    for (View view : {View::shaded, View::meshlets, View::weights, View::tuples})
+    for (View view : {View::shaded, View::meshlets, View::weights, View::tuples, View::velocity})
         if (word == viewName(view)) return view;
-    return inputError("no view '" + word + "'; there is shaded, meshlets, weights, tuples");
+    return inputError("no view '" + word + "'; there is shaded, meshlets, weights, tuples, velocity");
 }
 
 // What a view needs of a case beyond what the route needs.
 Result<void> checkView(const Case& which) {
     if (which.view == View::meshlets && !which.builder)
         return inputError(std::string("view meshlets needs a mesh route, not ") + which.route->name);
+    if (which.view == View::velocity && !which.compute.previous)
+        return inputError("view velocity needs --variant compute --compute previous");
+    if (which.view == View::velocity) return {};
     if (which.view != View::shaded && !which.builder && !which.variant->fetches)
         return inputError(std::string("view ") + viewName(which.view) + " needs a variant that reads the weights " +
                           "where it draws: vertex or mesh");

@@ -5,6 +5,7 @@
 #include <format>
 #include <functional>
 #include <optional>
+#include <ranges>
 
 #include "apps/selectors.h"
 
@@ -58,6 +59,26 @@ Result<std::vector<MeshletLimits>> parseLimits(const std::vector<std::string>& w
     return limits;
 }
 
+// "plain", or words of computeWords() joined with +.
+Result<std::vector<ComputeOptions>> parseComputes(const std::vector<std::string>& words) {
+    std::vector<ComputeOptions> all;
+    for (const std::string& word : words) {
+        ComputeOptions options;
+        for (const auto part : std::views::split(word, '+')) {
+            const std::string name(part.begin(), part.end());
+            const auto row = std::ranges::find(computeWords(), name, &ComputeWord::name);
+            if (row != computeWords().end())
+                options.*row->option = true;
+            else if (word != "plain")
+                return inputError(std::format("no compute option '{}'; there is {}, which may be joined with +", name,
+                                              selectorWords("compute")));
+        }
+        if (std::ranges::find(all, options) == all.end()) all.push_back(options);
+    }
+    if (all.empty()) all.push_back({});
+    return all;
+}
+
 bool onMeshRoute(const Case& which) { return which.route->dialect != MeshDialect::none; }
 bool onNvRoute(const Case& which) { return which.route->dialect == MeshDialect::nv; }
 bool draws(const Case& which) { return which.route->api != Api::cpu; }
@@ -68,6 +89,7 @@ bool skinsMeshlets(const Case& which) { return onMeshRoute(which) && which.varia
 bool choosesJoints(const Case& which) { return skinsMeshlets(which) && !sharesJointLists(which); }
 bool culls(const Case& which) { return which.cull != Cull::off; }
 bool prepasses(const Case& which) { return which.variant->prepasses; }
+bool skinsInCompute(const Case& which) { return which.variant == findVariant("compute"); }
 bool groupsTriangles(const Case& which) {
     return sharesJointLists(which) && which.common.grouping == CiGrouping::triangles;
 }
@@ -175,6 +197,7 @@ std::string selectorWords(const std::string& option) {
     if (option == "palette") return tableNames(kPalettes);
     if (option == "ci-grouping") return tableNames(kCiGroupings);
     if (option == "ci-key") return tableNames(kCiKeys);
+    if (option == "compute") return "plain, " + tableNames(computeWords());
     if (option == "ci-vertices") return tableNames(kCiVertices);
     return {};
 }
@@ -198,6 +221,8 @@ Result<std::vector<Case>> crossCases(const Selectors& s) {
     const std::vector<int> influences = s.influences.empty() ? std::vector<int>{4} : s.influences;
     for (int count : influences)
         if (count != 4 && count != 8) return inputError("influences must be 4 or 8");
+    auto computes = parseComputes(s.computes);
+    if (!computes) return std::unexpected(computes.error());
     auto rasters = chosenRasters(s);
     if (!rasters) return std::unexpected(rasters.error());
     all.byWords<VertexFetch>(kFetches, s.fetches, "vertex fetch", choosesFetch,
@@ -206,6 +231,7 @@ Result<std::vector<Case>> crossCases(const Selectors& s) {
                              [](Case& c, VertexFetch value) { c.fetch = value; });
     if (!s.paletteSlots.empty())
         all.by<uint32_t>(s.paletteSlots, usesPartition, [](Case& c, const uint32_t& value) { c.paletteSlots = value; });
+    all.by<ComputeOptions>(*computes, skinsInCompute, [](Case& c, const ComputeOptions& value) { c.compute = value; });
     all.by<int>(influences, everyRow, [](Case& c, const int& value) { c.influences = value; });
     all.byWords<Submission>(kSubmissions, orDefault(s.submissions, "per-copy"), "submission", draws,
                             [](Case& c, Submission value) { c.submission = value; });

@@ -51,6 +51,7 @@ void addLists(CLI::App& command, Selectors& s) {
     list("loads", s.loads, ", of mesh stages (default: guarded)");
     list("records", s.records, ", of mesh stages (default: indexed)");
     list("palette", s.palettes, ", of mesh stages (default: storage)");
+    list("compute", s.computes, "; of the variant compute, joined with + (default: plain)");
     list("ci-grouping", s.ciGroupings, ", of mesh-ci (default: meshlets)");
     list("ci-key", s.ciKeys, ", of grouping triangles (default: fit)");
     list("ci-vertices", s.ciVertices, ", of mesh-ci (default: slim)");
@@ -124,7 +125,7 @@ void addRender(CLI::App& program, int& status) {
     command->add_option("--route", options->route, selectorWords("routes") + ", or auto")->capture_default_str();
     command->add_option("--variant", options->variant, "default: mesh or vertex, as the route allows");
     command->add_option("--codec", options->codec, selectorWords("codecs"))->capture_default_str();
-    command->add_option("--view", options->view, "shaded, meshlets, weights, tuples")->capture_default_str();
+    command->add_option("--view", options->view, "shaded, meshlets, weights, tuples, velocity")->capture_default_str();
     command->add_option("--time", s.seconds, "seconds into the animation")
         ->check(kFinite & CLI::Range(0.0, 1e6))
         ->capture_default_str();
@@ -135,6 +136,7 @@ void addRender(CLI::App& program, int& status) {
         ->check(kFinite & CLI::Range(-360.0f, 360.0f))
         ->capture_default_str();
     command->add_option("--builder", s.builders, selectorWords("builders"))->expected(1);
+    command->add_option("--compute", s.computes, selectorWords("compute") + "; joined with +")->expected(1);
     command->add_option("--influences", s.influences, "4 or 8")->expected(1);
     command->add_flag("--keep-back-faces", s.keepBackFaces, "draw without the rasteriser's back-face culling");
     command->add_option("--device", s.device, "number or part of the name; see probe");

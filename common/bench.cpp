@@ -238,24 +238,52 @@ Result<void> compareWithFirstImage(Runner& runner, CaseResult& result, Prepared&
     return {};
 }
 
+// The last one is frame 0, whatever the case, so that all images show one pose. Where vertices keep their last
+// position, frame 1 comes first; where some copies are skinned every second frame, each pose is drawn twice.
+Result<std::vector<FrameData>> framesToVerify(Runner& runner, const Case& which) {
+    auto poses = frameRange(runner, which, 0, which.compute.previous ? 2 : 1);
+    if (!poses) return poses;
+    std::vector<FrameData> frames;
+    for (auto pose = poses->rbegin(); pose != poses->rend(); ++pose)
+        frames.insert(frames.end(), which.compute.halfRate ? 2 : 1, *pose);
+    for (size_t i = 0; i < frames.size(); ++i) frames[i].constants.grid.w = static_cast<float>(i);
+    return frames;
+}
+
+constexpr double kNormalTolerance = 1e-3;  // positions off by their tolerance seldom tilt a normal by more
+
+Result<void> verifyKept(const BenchSettings& settings, const Case& which, const Prepared& ready,
+                        const std::vector<FrameData>& frames) {
+    if (!which.compute.previous && !which.compute.tangents) return {};
+    auto records = ready.backend->readStream(*ready.plan, SLOT_SKINNED);
+    if (!records) return std::unexpected(records.error());
+    const KeptError error = keptError(which, ready.input, frames.front(), frames.back(), *records);
+    if (!(error.previous <= settings.tolerance))
+        return deviceError(std::format("previous positions are off by {:.3g} of the diagonal (allowed: {:.3g})",
+                                       error.previous, settings.tolerance));
+    if (!(error.tangent <= kNormalTolerance))
+        return deviceError(
+            std::format("tangents are off by {:.3g} rad (allowed: {:.3g})", error.tangent, kNormalTolerance));
+    return {};
+}
+
 Result<void> verifyDrawn(Runner& runner, CaseResult& result, Prepared& ready) {
-    auto frames = frameRange(runner, result.which, 0, 1);
+    auto frames = framesToVerify(runner, result.which);
     if (!frames) return std::unexpected(frames.error());
     CaseResult untimed;
     if (auto drawn = drawFrames(untimed, ready, *frames); !drawn) return drawn;
     auto captured = capturedVertices(ready);
     if (!captured) return std::unexpected(captured.error());
-    const CapturedError errors = capturedError(result.which, ready.input, frames->front(), *captured);
+    const CapturedError errors = capturedError(result.which, ready.input, frames->back(), *captured);
     const SkinError* error = &errors.decoded;
     result.accuracy = Accuracy{errors.decoded, runner.settings.tolerance, errors.source, 0, {}};
-    // A position that is off by the tolerance seldom tilts a normal by more than this.
-    const double normalTolerance = 1e-3;
     if (!(error->position <= runner.settings.tolerance))
         return deviceError(std::format("positions are off by {:.3g} of the diagonal (allowed: {:.3g})", error->position,
                                        runner.settings.tolerance));
-    if (!(error->normal <= normalTolerance))
+    if (!(error->normal <= kNormalTolerance))
         return deviceError(
-            std::format("normals are off by {:.3g} rad (allowed: {:.3g})", error->normal, normalTolerance));
+            std::format("normals are off by {:.3g} rad (allowed: {:.3g})", error->normal, kNormalTolerance));
+    if (auto kept = verifyKept(runner.settings, result.which, ready, *frames); !kept) return kept;
     return ready.plan ? compareWithFirstImage(runner, result, ready) : Result<void>{};
 }
 

@@ -13,7 +13,7 @@ static uint32_t gridColumns(uint32_t copies, double cellWidth, double cellHeight
     return std::clamp(static_cast<uint32_t>(std::lround(ideal)), 1u, copies);
 }
 
-FrameConstants frameConstants(const Framing& framing, double seconds) {
+FrameConstants frameConstants(const Framing& framing, uint32_t frame) {
     const glm::vec3 size = glm::max(framing.bounds.max - framing.bounds.min, glm::vec3(1e-6f));
     const float depth = std::max(size.x, size.z);  // a turning character needs its widest side
     const float cellWidth = (framing.yaw == 0 ? size.x : depth) * 1.08f, cellHeight = size.y * 1.08f;
@@ -34,7 +34,7 @@ FrameConstants frameConstants(const Framing& framing, double seconds) {
     projection[1][1] = -projection[1][1];
     FrameConstants constants;
     constants.viewProjection = projection * glm::lookAtRH(eye, target, glm::vec3(0, 1, 0));
-    constants.grid = {static_cast<float>(columns), cellWidth, cellHeight, static_cast<float>(seconds)};
+    constants.grid = {static_cast<float>(columns), cellWidth, cellHeight, static_cast<float>(frame)};
     return constants;
 }
 

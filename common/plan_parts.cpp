@@ -1,6 +1,8 @@
 #include "common/plan_parts.h"
 
 #include <algorithm>
+#include <format>
+#include <utility>
 
 #include "common/skin_cpu.h"
 
@@ -21,6 +23,11 @@ Defines commonDefines(const Case& which, const PlanInput& input) {
         {"FETCH_PULL", which.fetch == VertexFetch::pull ? "1" : "0"},
         {"PALETTE_UNIFORM", which.shape.uniformPalette || usesPartition(which) ? "1" : "0"},
         {"STAGED_JOINTS", "0"},
+        {"EARLY_EXIT", which.compute.earlyExit ? "1" : "0"},
+        {"HALF_RATE", which.compute.halfRate ? "1" : "0"},
+        {"SKINNED_PACKED", which.compute.packed ? "1" : "0"},
+        {"SKINNED_PREVIOUS", which.compute.previous ? "1" : "0"},
+        {"SKINNED_TANGENT", which.compute.tangents ? "1" : "0"},
         {"SAME_DEPTH", prepass ? "1" : "0"},
         {"PREPASS", "0"},
         {"DEPTH_ONLY", "0"},
@@ -103,10 +110,17 @@ void addEncoded(FramePlan& plan, const PlanInput& input) {
     addStream(plan, SLOT_TUPLE, useStorage, input.encoded->tuples, input.copies);
 }
 
-void addSkinnedStream(FramePlan& plan, const PlanInput& input, uint32_t use) {
-    plan.streams.push_back({.slot = SLOT_SKINNED,
-                            .use = use,
-                            .gpuBytes = uint64_t{input.copies} * input.encoded->vertexCount * sizeof(SkinnedVertex)});
+SkinnedLayout skinnedLayout(const Case& which) {
+    SkinnedLayout layout;
+    layout.stride = which.compute.packed ? 16 : sizeof(SkinnedVertex);
+    if (which.compute.previous) layout.previous = std::exchange(layout.stride, layout.stride + 16);
+    if (which.compute.tangents) layout.tangent = std::exchange(layout.stride, layout.stride + 16);
+    return layout;
+}
+
+void addSkinnedStream(FramePlan& plan, const PlanInput& input, uint32_t use, uint32_t stride) {
+    plan.streams.push_back(
+        {.slot = SLOT_SKINNED, .use = use, .gpuBytes = uint64_t{input.copies} * input.encoded->vertexCount * stride});
 }
 
 // The vertices that the triangles name, as the case stores them. Both passes of a pre-pass must start a triangle at the
@@ -158,9 +172,18 @@ void addGroupDraws(Pass& pass, const Case& which, const PlanInput& input, uint32
     }
 }
 
+// Of the bind pose.
+static std::string diagonalText(const Mesh& mesh) {
+    Bounds bounds{mesh.positions.front(), mesh.positions.front()};
+    for (const glm::vec3& position : mesh.positions)
+        bounds = {glm::min(bounds.min, position), glm::max(bounds.max, position)};
+    return std::format("{:.9e}", bounds.diagonal());
+}
+
 Result<void> addSkinnedDraw(FramePlan& plan, const Case& which, const PlanInput& input, bool depthOnly) {
     Defines defines = commonDefines(which, input);
     setDefine(defines, "PALETTE_UNIFORM", "0");
+    if (which.view == View::velocity) setDefine(defines, "SCENE_DIAGONAL", diagonalText(input.scene->mesh));
     Pass pass = depthOnly ? startDepth(which, PassKind::drawIndexed) : startDraw(which, PassKind::drawIndexed);
     Result<Program> program;
     if (depthOnly) {
@@ -172,9 +195,15 @@ Result<void> addSkinnedDraw(FramePlan& plan, const Case& which, const PlanInput&
                               {{Stage::vertex, "compute.glsl"}, {Stage::fragment, "surface.glsl"}}, defines);
     }
     if (!program) return std::unexpected(program.error());
-    program->attributes = {{0, AttributeFormat::float4, 0}, {1, AttributeFormat::float4, 16}};
+    const SkinnedLayout layout = skinnedLayout(which);
+    if (which.compute.packed)
+        program->attributes = {{0, AttributeFormat::uint4, 0}};
+    else
+        program->attributes = {{0, AttributeFormat::float4, 0}, {1, AttributeFormat::float4, 16}};
+    if (which.compute.previous) program->attributes.push_back({2, AttributeFormat::float4, layout.previous});
+    if (which.compute.tangents) program->attributes.push_back({3, AttributeFormat::float4, layout.tangent});
     program->attributeSlot = SLOT_SKINNED;
-    program->attributeStride = sizeof(SkinnedVertex);
+    program->attributeStride = layout.stride;
     plan.programs.push_back(std::move(*program));
     pass.program = static_cast<uint32_t>(plan.programs.size() - 1);
     if (which.scenario == Scenario::prepass && !depthOnly) drawWhereEqual(pass);

@@ -4,6 +4,7 @@
 #include <initializer_list>
 
 #include "common/plans.h"
+#include "common/skin_cpu.h"
 
 namespace skinbench {
 
@@ -38,8 +39,17 @@ void addStream(FramePlan& plan, uint32_t slot, uint32_t use, const Bytes& bytes,
 // The encoded vertices and what belongs to them, for stages that read storage blocks.
 void addEncoded(FramePlan& plan, const PlanInput& input);
 
-// Room for the SkinnedVertex of every vertex of every copy.
-void addSkinnedStream(FramePlan& plan, const PlanInput& input, uint32_t use);
+// One vertex of SLOT_SKINNED, in bytes: a SkinnedVertex, or 16 bytes where ComputeOptions::packed; then a vec4 each for
+// what the case keeps beside. `previous` and `tangent` are offsets, 0 where there is none.
+struct SkinnedLayout {
+    uint32_t stride = 0;
+    uint32_t previous = 0;
+    uint32_t tangent = 0;
+};
+SkinnedLayout skinnedLayout(const Case& which);
+
+// Room for every vertex of every copy.
+void addSkinnedStream(FramePlan& plan, const PlanInput& input, uint32_t use, uint32_t stride = sizeof(SkinnedVertex));
 
 // An indexed draw a copy, or one for all: then the indices of copy c already count from c * vertexCount. The index
 // stream is added once.
@@ -49,7 +59,7 @@ void addIndexedDraws(FramePlan& plan, Pass& pass, const Case& which, const PlanI
 void addGroupDraws(Pass& pass, const Case& which, const PlanInput& input, uint32_t groupsOfCopy, uint32_t groupsOfAll,
                    uint32_t most);
 
-// A pass with a plain vertex stage over the SkinnedVertex attributes of SLOT_SKINNED: the same for every variant that
+// A pass with a plain vertex stage over the attributes of SLOT_SKINNED: the same for every variant that
 // has skinned before. `depthOnly` makes it the depth pass of a pre-pass.
 Result<void> addSkinnedDraw(FramePlan& plan, const Case& which, const PlanInput& input, bool depthOnly = false);
 

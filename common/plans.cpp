@@ -1,7 +1,5 @@
 #include "common/plans.h"
 
-#include <algorithm>
-
 #include "common/plan_parts.h"
 #include "common/skin_cpu.h"
 
@@ -40,27 +38,6 @@ static Result<FramePlan> planVertex(const Case& which, const PlanInput& input) {
 
 Result<FramePlan> planDirect(const Case& which, const PlanInput& input, const DeviceCaps& caps) {
     return which.route->dialect == MeshDialect::none ? planVertex(which, input) : planMesh(which, input, caps);
-}
-
-Result<FramePlan> planCompute(const Case& which, const PlanInput& input, const DeviceCaps& caps) {
-    auto program = makeProgram(which, input, "skin", {{Stage::compute, "compute.glsl"}}, commonDefines(which, input));
-    if (!program) return std::unexpected(program.error());
-    FramePlan plan = startPlan(which, input);
-    plan.programs.push_back(std::move(*program));
-    addEncoded(plan, input);
-    addSkinnedStream(plan, input, useStorage | useAttributes);
-    Pass skin;
-    skin.label = "skin";
-    skin.kind = PassKind::dispatch;
-    const uint64_t vertices = input.encoded->vertexCount;
-    addGroupDraws(skin, which, input, static_cast<uint32_t>((vertices + 63) / 64),
-                  static_cast<uint32_t>((vertices * input.copies + 63) / 64),
-                  std::max(1u, std::min(caps.maxComputeGroupCount, 65535u)));
-    plan.passes.push_back(std::move(skin));
-    if (which.scenario == Scenario::prepass)
-        if (auto added = addSkinnedDraw(plan, which, input, true); !added) return std::unexpected(added.error());
-    if (auto added = addSkinnedDraw(plan, which, input); !added) return std::unexpected(added.error());
-    return plan;
 }
 
 Result<FramePlan> planCpu(const Case& which, const PlanInput& input, const DeviceCaps&) {

@@ -120,6 +120,7 @@ static Json optionsJson(const Case& which) {
                     {"back_faces", which.keepBackFaces ? "kept" : "culled"}};
     if (which.variant->fetches && which.route->dialect == MeshDialect::none)
         options["vertex_fetch"] = which.fetch == VertexFetch::pull ? "pull" : "attributes";
+    if (which.variant == findVariant("compute")) options["compute"] = computeName(which.compute);
     if (usesPartition(which)) options["palette_slots"] = std::to_string(which.paletteSlots);
     if (which.builder) {
         options["meshlet_vertices"] = std::to_string(which.limits.vertices);

@@ -62,13 +62,29 @@ static const char* wordOf(Value value, std::initializer_list<const char*> words)
 }
 
 const char* rasterName(RasterMode raster) { return wordOf(raster, {"full", "no-fragments", "discard"}); }
-const char* viewName(View view) { return wordOf(view, {"shaded", "meshlets", "weights", "tuples"}); }
+const char* viewName(View view) { return wordOf(view, {"shaded", "meshlets", "weights", "tuples", "velocity"}); }
 const char* cullName(Cull cull) { return wordOf(cull, {"off", "compact", "primitive", "torabi"}); }
 const char* exchangeName(Exchange exchange) { return wordOf(exchange, {"auto", "shuffle", "shared"}); }
 const char* scenarioName(Scenario scenario) { return wordOf(scenario, {"direct", "prepass"}); }
 const char* jointSourceName(JointSource joints) { return wordOf(joints, {"vertex", "meshlet", "staged"}); }
 const char* ciGroupingName(CiGrouping grouping) { return wordOf(grouping, {"meshlets", "triangles"}); }
 const char* ciKeyName(CiKey key) { return wordOf(key, {"ordered", "set", "fit"}); }
+
+const std::vector<ComputeWord>& computeWords() {
+    static const std::vector<ComputeWord> rows = {
+        {"staged", &ComputeOptions::staged},     {"previous", &ComputeOptions::previous},
+        {"tangents", &ComputeOptions::tangents}, {"early-exit", &ComputeOptions::earlyExit},
+        {"packed", &ComputeOptions::packed},     {"half-rate", &ComputeOptions::halfRate},
+    };
+    return rows;
+}
+
+std::string computeName(const ComputeOptions& options) {
+    std::string words;
+    for (const ComputeWord& word : computeWords())
+        if (options.*word.option) words += (words.empty() ? "" : "+") + std::string(word.name);
+    return words.empty() ? "plain" : words;
+}
 
 bool sharesJointLists(const Case& which) { return which.variant == findVariant("mesh-ci"); }
 
@@ -108,6 +124,7 @@ std::string caseId(const Case& which) {
         id += shapeWords(which.shape);
     }
     if (usesPartition(which)) id += std::format("+slots-{}", which.paletteSlots);
+    if (which.compute != ComputeOptions{}) id += "+" + computeName(which.compute);
     if (which.influences != 4) id += std::format("+{}-influences", which.influences);
     if (which.fetch == VertexFetch::pull) id += "+pull";
     if (which.submission == Submission::batched) id += "+batched";
@@ -180,6 +197,8 @@ std::optional<std::string> unsupported(const Case& which, const DeviceCaps& caps
         return std::string("no attribute format carries codec ") + which.codec->name;
     if ((which.shape.uniformPalette || usesPartition(which)) && which.submission == Submission::batched)
         return "a uniform block holds one copy's palette, so copies cannot be drawn at once";
+    if (which.compute.staged && which.submission == Submission::batched)
+        return "a work group of a batched dispatch spans copies, so it cannot stage the palette of one";
     if (which.route->dialect != MeshDialect::none) return unsupportedMeshlets(which, caps);
     // A vertex stage reads the palette, and the vertices when it pulls; verifying plans add the capture buffer.
     const uint32_t blocks = which.fetch == VertexFetch::pull ? 3 : 2;
@@ -258,6 +277,8 @@ MemoryBytes memoryOfOneCopy(const FramePlan& plan, uint32_t copies) {
                 memory.index += bytes;
                 break;
             case SLOT_MESHLET:
+                (plan.dialect == MeshDialect::none ? memory.vertex : memory.meshlet) += bytes;  // or SLOT_TANGENT
+                break;
             case SLOT_MESHLET_DATA:
                 memory.meshlet += bytes;
                 break;

@@ -31,7 +31,7 @@ const Route* findRoute(const std::string& name);
 
 enum class VertexFetch { attributes, pull };
 enum class Submission { perCopy, batched };
-enum class View { shaded, meshlets, weights, tuples };
+enum class View { shaded, meshlets, weights, tuples, velocity };
 
 // Back-face culling in the mesh stage; shaders_glsl/cull.glsl says how each works.
 enum class Cull { off, compact, primitive, torabi };
@@ -69,6 +69,27 @@ struct CommonInfluences {
     bool operator==(const CommonInfluences&) const = default;
 };
 
+// The variant `compute`; shaders_glsl/compute.glsl says how each works. Any of them go together.
+struct ComputeOptions {
+    bool staged = false;     // the work group first copies its palette to shared memory
+    bool previous = false;   // a vertex keeps its position of one update ago, for motion vectors
+    bool tangents = false;   // unit tangents are skinned too
+    bool earlyExit = false;  // influences behind the one that completes a weight of 1 are not read
+    bool packed = false;     // position and a 32-bit normal; the draw reads the uv from the encoded vertex
+    bool halfRate = false;   // copies in the far half of the grid are skinned every second frame
+    bool operator==(const ComputeOptions&) const = default;
+};
+
+// The options' names, in the order of case ids.
+struct ComputeWord {
+    const char* name;
+    bool ComputeOptions::*option;
+};
+const std::vector<ComputeWord>& computeWords();
+
+// "staged+packed", or "plain".
+std::string computeName(const ComputeOptions& options);
+
 struct Variant;
 
 // One row of the result table. Pointers refer to rows of the tables and are never null, but for `builder` and
@@ -93,6 +114,7 @@ struct Case {
     MeshShape shape;
     CommonInfluences common;
     uint32_t paletteSlots = 32;  // of the variant `palette`
+    ComputeOptions compute;
     View view = View::shaded;
 };
 

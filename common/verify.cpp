@@ -1,6 +1,11 @@
 #include "common/verify.h"
 
 #include <algorithm>
+#include <cstring>
+#include <limits>
+
+#include "common/plan_parts.h"
+#include "common/tangents.h"
 
 namespace skinbench {
 
@@ -13,8 +18,7 @@ static SkinnedReference referenceOf(const Case& which, const Mesh& mesh, const P
     return {{mesh.positions.begin(), mesh.positions.end()}, {mesh.normals.begin(), mesh.normals.end()}};
 }
 
-// For each encoded vertex the vertex of the scene that it came from.
-static std::vector<uint32_t> sourcesOf(const PlanInput& input) {
+std::vector<uint32_t> sourcesOf(const PlanInput& input) {
     std::vector<uint32_t> sources = input.encoded->sources;
     if (sources.empty())
         for (uint32_t v = 0; v < input.encoded->vertexCount; ++v) sources.push_back(v);
@@ -52,6 +56,65 @@ CapturedError capturedError(const Case& which, const PlanInput& input, const Fra
         worst.source = larger(worst.source, source);
         const SkinError own = lossy ? compareSkinned(referenceOf(which, decoded, palette), part, diagonal) : source;
         worst.decoded = larger(worst.decoded, own);
+    }
+    return worst;
+}
+
+// As skipsFrame of shaders_glsl/compute.glsl, whatever the frame.
+static bool isFar(const FrameData& frame, uint32_t copies, uint32_t copy) {
+    const auto columns = static_cast<uint32_t>(frame.constants.grid.x);
+    return copy / columns * 2 >= (copies + columns - 1) / columns;
+}
+
+// The vertices as the shader decodes them.
+static Mesh decodedMesh(const PlanInput& input) {
+    if (input.encoded->decode) return input.encoded->decode();
+    Mesh mesh;
+    for (uint32_t source : sourcesOf(input)) {
+        mesh.positions.push_back(input.scene->mesh.positions[source]);
+        mesh.normals.push_back(input.scene->mesh.normals[source]);
+        mesh.influences.push_back(input.scene->mesh.influences[source]);
+    }
+    return mesh;
+}
+
+KeptError keptError(const Case& which, const PlanInput& input, const FrameData& before, const FrameData& frame,
+                    std::span<const std::byte> records) {
+    const SkinnedLayout layout = skinnedLayout(which);
+    const size_t vertices = input.encoded->vertexCount;
+    SKINBENCH_ASSERT(records.size() == vertices * input.copies * layout.stride);
+    const Mesh mesh = decodedMesh(input);
+    Mesh tangential = mesh;  // its normals are the tangents: both are turned alike
+    std::vector<float> sides;
+    if (layout.tangent) {
+        const std::vector<glm::vec4> tangents = vertexTangents(input.scene->mesh);
+        const std::vector<uint32_t> sources = sourcesOf(input);
+        for (size_t v = 0; v < vertices; ++v) {
+            tangential.normals[v] = glm::vec3(tangents[sources[v]]);
+            sides.push_back(tangents[sources[v]].w);
+        }
+    }
+    KeptError worst;
+    for (uint32_t copy : {0u, input.copies - 1}) {
+        std::vector<SkinnedVertex> kept(vertices);
+        for (size_t v = 0; v < vertices; ++v) {
+            const std::byte* record = &records[(copy * vertices + v) * layout.stride];
+            glm::vec4 tangent(0);
+            if (layout.previous) std::memcpy(&kept[v].position, record + layout.previous, sizeof(glm::vec3));
+            if (!layout.tangent) continue;
+            std::memcpy(&tangent, record + layout.tangent, sizeof(tangent));
+            kept[v].normal = glm::vec3(tangent);
+            if (tangent.w != sides[v]) worst.tangent = std::numeric_limits<double>::infinity();
+        }
+        const Palette now = paletteOfCopy(frame, input.copies, copy);
+        if (layout.tangent)
+            worst.tangent = std::max(worst.tangent, compareSkinned(skinReference(tangential, now), kept, 0).normal);
+        if (!layout.previous) continue;
+        // A copy that every frame skins has shown the last pose twice.
+        const bool twice = which.compute.halfRate && !isFar(frame, input.copies, copy);
+        const Palette then = twice ? now : paletteOfCopy(before, input.copies, copy);
+        const double diagonal = std::max<double>(posedBounds(input.scene->mesh, then).diagonal(), 1e-30);
+        worst.previous = std::max(worst.previous, compareSkinned(skinReference(mesh, then), kept, diagonal).position);
     }
     return worst;
 }

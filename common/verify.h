@@ -19,4 +19,19 @@ struct CapturedError {
 CapturedError capturedError(const Case& which, const PlanInput& input, const FrameData& frame,
                             std::span<const SkinnedVertex> captured);
 
+// What the variant `compute` keeps beside positions and normals: the larger error of the first and the last copy, 0 for
+// what the case does not keep.
+struct KeptError {
+    double previous = 0;  // of positions, relative to the posed bounding box's diagonal
+    double tangent = 0;   // radians; infinite where a tangent's side is wrong
+};
+
+// `records` is the content of SLOT_SKINNED once `before` and then `frame` were drawn, with ComputeOptions::halfRate
+// each twice, so that every copy showed both.
+KeptError keptError(const Case& which, const PlanInput& input, const FrameData& before, const FrameData& frame,
+                    std::span<const std::byte> records);
+
+// For each encoded vertex the vertex of the scene that it came from.
+std::vector<uint32_t> sourcesOf(const PlanInput& input);
+
 }  // namespace skinbench

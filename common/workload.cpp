@@ -156,7 +156,7 @@ Result<FrameData> makeFrame(Workload& workload, int influences, uint32_t frame) 
     const double seconds = settings.seconds + (settings.animated ? frame / 60.0 : 0);
     FrameData data;
     data.constants = frameConstants(
-        {workload.bounds[influences], settings.copies, settings.width, settings.height, settings.yaw}, seconds);
+        {workload.bounds[influences], settings.copies, settings.width, settings.height, settings.yaw}, frame);
 
     const uint32_t phases = std::min(settings.copies, kPhases);
     std::vector<Palette> posed(phases);

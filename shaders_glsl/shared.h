@@ -10,6 +10,8 @@
 #define SLOT_PALETTE 1        // 3 rows (vec4) a joint, joint after joint, copy after copy
 #define SLOT_VERTEX 2         // encoded vertices of one codec, copy after copy
 #define SLOT_MESHLET 3        // meshlet descriptors
+#define SLOT_TANGENT 3        // the same number for the variant compute, which has no meshlets: a unit tangent a vertex
+                              // (vec4, w: 1 or -1, the side of the bitangent)
 #define SLOT_MESHLET_DATA 4   // vertex ids and packed local indices
 #define SLOT_MESHLET_EXTRA 5  // what a codec or builder adds per meshlet
 #define SLOT_TUPLE 6          // joint tuples
@@ -41,7 +43,7 @@ using glm::vec4;
 // std140. Changes every frame.
 struct FrameConstants {
     mat4 viewProjection;  // y already points down, depth 0..1: both APIs store row 0 at the top
-    vec4 grid;            // x: columns, y: distance between columns, z: distance between rows, w: seconds
+    vec4 grid;            // x: columns, y: distance between columns, z: distance between rows, w: number of the frame
 };
 
 #ifdef __cplusplus

@@ -46,18 +46,29 @@ void addFour(inout Blend blend, uint copyNumber, uvec4 joints, vec4 weights) {
     addInfluence(blend, rows.w, weights.w);
 }
 
-Skinned skinVertex(Vertex vertex, uint copyNumber) {
+Blend blendJoints(Vertex vertex, uint copyNumber) {
     Blend blend = Blend(vec4(0.0), vec4(0.0), vec4(0.0));
     addFour(blend, copyNumber, vertex.joints0, vertex.weights0);
 #if INFLUENCES == 8
     addFour(blend, copyNumber, vertex.joints1, vertex.weights1);
 #endif
+    return blend;
+}
+
+vec3 turned(Blend blend, vec3 n) {
+    return normalize(vec3(dot(blend.row0.xyz, n), dot(blend.row1.xyz, n), dot(blend.row2.xyz, n)));
+}
+
+Skinned transformVertex(Blend blend, Vertex vertex) {
     vec4 p = vec4(vertex.position, 1.0);
-    vec3 n = vertex.normal;
     Skinned skinned;
     skinned.position = vec3(dot(blend.row0, p), dot(blend.row1, p), dot(blend.row2, p));
-    skinned.normal = normalize(vec3(dot(blend.row0.xyz, n), dot(blend.row1.xyz, n), dot(blend.row2.xyz, n)));
+    skinned.normal = turned(blend, vertex.normal);
     return skinned;
+}
+
+Skinned skinVertex(Vertex vertex, uint copyNumber) {
+    return transformVertex(blendJoints(vertex, copyNumber), vertex);
 }
 
 // The `none` variant: what the others do without skinning.

@@ -1,17 +1,48 @@
-// What one pass skins and a later one draws (common/skin_cpu.h, SkinnedVertex).
+// What one pass skins and a later one draws, 32 bytes (common/skin_cpu.h, SkinnedVertex). The variant `compute` also
+// has a short form and keeps more (common/plan_parts.h, SkinnedLayout).
 #include "shared.h"
+#if SKINNED_PACKED
+#include "octahedral.glsl"
+#endif
 
 struct SkinnedVertex {
+#if SKINNED_PACKED
+    uvec4 positionNormal;  // position as 3 floats, the normal by packOctahedral
+#else
     vec4 positionU;
     vec4 normalV;
+#endif
+#if SKINNED_PREVIOUS
+    vec4 previous;  // xyz: position one update ago
+#endif
+#if SKINNED_TANGENT
+    vec4 tangent;  // w as in SLOT_TANGENT
+#endif
 };
+
 #if REUSE_SKINNED
 layout(std430, binding = SLOT_SKINNED) readonly restrict buffer SkinnedBlock { SkinnedVertex skinnedVertices[]; };
 #else
+#if SKINNED_PREVIOUS
+layout(std430, binding = SLOT_SKINNED) restrict buffer SkinnedBlock { SkinnedVertex skinnedVertices[]; };
+#else
 layout(std430, binding = SLOT_SKINNED) writeonly restrict buffer SkinnedBlock { SkinnedVertex skinnedVertices[]; };
+#endif
 
 // `place` counts vertices over all copies.
 void storeSkinned(uint place, vec3 position, vec3 normal, vec2 uv) {
-    skinnedVertices[place] = SkinnedVertex(vec4(position, uv.x), vec4(normal, uv.y));
+#if SKINNED_PREVIOUS
+#if SKINNED_PACKED
+    skinnedVertices[place].previous = vec4(uintBitsToFloat(skinnedVertices[place].positionNormal.xyz), 0.0);
+#else
+    skinnedVertices[place].previous = vec4(skinnedVertices[place].positionU.xyz, 0.0);
+#endif
+#endif
+#if SKINNED_PACKED
+    skinnedVertices[place].positionNormal = uvec4(floatBitsToUint(position), packOctahedral(normal));
+#else
+    skinnedVertices[place].positionU = vec4(position, uv.x);
+    skinnedVertices[place].normalV = vec4(normal, uv.y);
+#endif
 }
 #endif

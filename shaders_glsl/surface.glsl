@@ -4,14 +4,20 @@
 #define VIEW_MESHLETS 1
 #define VIEW_WEIGHTS 2
 #define VIEW_TUPLES 3
+#define VIEW_VELOCITY 4
 
 // One block: NVIDIA's OpenGL compiler refuses a mesh stage's outputs as separate arrays.
+#if VIEW == VIEW_SHADED
+#define SURFACE_COLOR
+#else
+#define SURFACE_COLOR vec3 color;
+#endif
 #if SPARE_OUTPUT
 #include "surface_spare.glsl"
-#elif VIEW == VIEW_SHADED
-#define SURFACE_BLOCK Surface { vec3 normal; vec2 uv; }
+#elif SKINNED_PREVIOUS || SKINNED_TANGENT
+#include "surface_kept.glsl"
 #else
-#define SURFACE_BLOCK Surface { vec3 normal; vec2 uv; vec3 color; }
+#define SURFACE_BLOCK Surface { vec3 normal; vec2 uv; SURFACE_COLOR }
 #endif
 
 #if STAGE_FRAGMENT
@@ -22,7 +28,9 @@ layout(location = 0) out vec4 pixel;
 #define READ_NORMAL surface.normal
 #define READ_UV surface.uv
 #define READ_COLOR surface.color
+#ifndef KEEP_SURFACE
 #define KEEP_SURFACE(color) color
+#endif
 #endif
 
 void main() {

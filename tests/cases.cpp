@@ -90,6 +90,35 @@ void addMeshOptions(std::vector<Case>& cases, const Case& plain) {
         }
 }
 
+// Each option alone and all together, with whatever else changes the same shaders.
+void addComputeOptions(std::vector<Case>& cases, const Case& plain) {
+    auto add = [&](const ComputeOptions& options, auto change) {
+        Case which = plain;
+        which.compute = options;
+        change(which);
+        cases.push_back(which);
+    };
+    const ComputeOptions all{true, true, true, true, true, true}, unstaged{false, true, true, true, true, true};
+    auto nothing = [](Case&) {};
+    add(all, nothing);
+    add({.earlyExit = true}, nothing);
+    if (!feedsAttributes(*plain.codec)) return;
+    for (const ComputeWord& word : computeWords()) {
+        ComputeOptions options;
+        options.*word.option = true;
+        if (word.option != &ComputeOptions::earlyExit) add(options, nothing);
+        add(options, [](Case& c) { c.scenario = Scenario::prepass; });
+    }
+    add({.staged = true, .packed = true}, nothing);
+    add({.previous = true, .halfRate = true}, nothing);
+    add(all, [](Case& c) { c.scenario = Scenario::prepass; });
+    add(all, [](Case& c) { c.influences = 8; });
+    add({.earlyExit = true}, [](Case& c) { c.influences = 8; });
+    add(unstaged, [](Case& c) { c.submission = Submission::batched; });
+    add({.previous = true}, [](Case& c) { c.view = View::velocity; });
+    add(all, [](Case& c) { c.view = View::velocity; });
+}
+
 }  // namespace
 
 std::vector<Case> everyCase() {
@@ -103,6 +132,7 @@ std::vector<Case> everyCase() {
                     addCommon(cases, plain);
                     addViews(cases, plain);
                     if (onMeshRoute(plain)) addMeshOptions(cases, plain);
+                    if (&variant == findVariant("compute")) addComputeOptions(cases, plain);
                     if (variant.prepasses && !onMeshRoute(plain)) {
                         cases.push_back(plain);
                         cases.back().scenario = Scenario::prepass;
@@ -115,6 +145,7 @@ std::vector<Case> everyCase() {
                     cases.push_back(plain);
                     cases.back().scenario = Scenario::prepass;
                 }
+                if (&variant == findVariant("compute")) addComputeOptions(cases, plain);
                 if (codec.name != std::string("uc16") && codec.name != std::string("pc")) continue;
                 cases.push_back(plain);
                 cases.back().influences = 8;

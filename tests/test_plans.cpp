@@ -80,7 +80,7 @@ TEST_CASE("every row is found under its name") {
     CHECK(std::string(rasterName(RasterMode::full)) == "full");
     CHECK(std::string(rasterName(RasterMode::noFragments)) == "no-fragments");
     CHECK(std::string(rasterName(RasterMode::discard)) == "discard");
-    for (View view : {View::shaded, View::meshlets, View::weights, View::tuples})
+    for (View view : {View::shaded, View::meshlets, View::weights, View::tuples, View::velocity})
         CHECK(std::string(viewName(view)) != "?");
 }
 
@@ -90,6 +90,15 @@ TEST_CASE("case ids stay what result files of the past say") {
     CHECK(caseId(makeCase("gl", "vertex")) == "gl/vertex/uc");
     CHECK(caseId(makeCase("vk", "compute")) == "vk/compute/uc");
     CHECK(caseId(makeCase("vk-ext", "mesh")) == "vk-ext/mesh/uc/meshopt/redirect");
+
+    Case compute = makeCase("vk", "compute");
+    CHECK(computeName(compute.compute) == "plain");
+    compute.compute = {.staged = true, .packed = true};
+    CHECK(caseId(compute) == "vk/compute/uc+staged+packed");
+    compute.compute = {true, true, true, true, true, true};
+    compute.influences = 8;
+    compute.scenario = Scenario::prepass;
+    CHECK(caseId(compute) == "vk/compute/uc+staged+previous+tangents+early-exit+packed+half-rate+8-influences+prepass");
 
     Case pull = makeCase("vk", "vertex");
     pull.fetch = VertexFetch::pull;
@@ -332,6 +341,76 @@ TEST_CASE("the streams of each variant are what its passes read") {
 
     CHECK(planOf(workload, makeCase("gl", "vertex"), generousCaps(Api::opengl), true).label == "gl/vertex/uc");
     CHECK(streamOf(planOf(workload, pull, caps, true), SLOT_CAPTURE)->gpuBytes == skinned);
+}
+
+TEST_CASE("options of compute: what a skinned vertex holds, and where the draw finds it") {
+    struct Wanted {
+        ComputeOptions options;
+        uint64_t stride;
+        std::vector<std::pair<uint32_t, uint32_t>> attributes;  // location, offset
+    };
+    const std::vector<Wanted> wanted = {
+        {{}, 32, {{0, 0}, {1, 16}}},
+        {{.staged = true, .earlyExit = true, .halfRate = true}, 32, {{0, 0}, {1, 16}}},
+        {{.previous = true}, 48, {{0, 0}, {1, 16}, {2, 32}}},
+        {{.tangents = true}, 48, {{0, 0}, {1, 16}, {3, 32}}},
+        {{.previous = true, .tangents = true}, 64, {{0, 0}, {1, 16}, {2, 32}, {3, 48}}},
+        {{.packed = true}, 16, {{0, 0}}},
+        {{.previous = true, .tangents = true, .packed = true}, 48, {{0, 0}, {2, 16}, {3, 32}}},
+    };
+    Workload workload = tinyWorkload(3);
+    const uint64_t vertices = (*sceneFor(workload, 4))->mesh.positions.size();
+    for (const char* route : {"vk", "gl"})
+        for (const Wanted& row : wanted) {
+            Case which = makeCase(route, "compute");
+            which.compute = row.options;
+            INFO(caseId(which));
+            const FramePlan plan = planOf(workload, which, generousCaps(which.route->api));
+            const Program& draw = plan.programs[passOf(plan, "draw").program];
+            CHECK(draw.attributeStride == row.stride);
+            REQUIRE(draw.attributes.size() == row.attributes.size());
+            for (size_t i = 0; i < row.attributes.size(); ++i) {
+                CHECK(draw.attributes[i].location == row.attributes[i].first);
+                CHECK(draw.attributes[i].offset == row.attributes[i].second);
+                // A packed normal must not pass through a float, which may lose the bits of a NaN or a denormal.
+                const bool bits = row.options.packed && i == 0;
+                CHECK(draw.attributes[i].format == (bits ? AttributeFormat::uint4 : AttributeFormat::float4));
+            }
+            CHECK(streamOf(plan, SLOT_SKINNED)->gpuBytes == 3 * vertices * row.stride);
+            const Stream* tangents = streamOf(plan, SLOT_TANGENT);
+            REQUIRE((tangents != nullptr) == row.options.tangents);
+            if (tangents) CHECK(tangents->bytes->size() == vertices * 16);
+            const MemoryBytes memory = memoryOfOneCopy(plan, 3);
+            CHECK(memory.skinned == vertices * row.stride);
+            CHECK(memory.vertex == vertices * (row.options.tangents ? 80 : 64));
+            CHECK(memory.meshlet == 0);
+        }
+}
+
+TEST_CASE("staging a palette is refused where it does not fit, and where a group spans copies") {
+    Workload workload = tinyWorkload(2);
+    Case which = makeCase("gl", "compute");
+    which.compute.staged = true;
+    auto input = planInput(workload, which);
+    REQUIRE(input);
+    DeviceCaps caps = generousCaps(Api::opengl);
+    caps.maxComputeSharedBytes = 12 * sizeof(PaletteEntry);
+    CHECK(!unsupported(which, caps));
+    CHECK(makePlan(which, *input, caps));
+    --caps.maxComputeSharedBytes;
+    const auto plan = makePlan(which, *input, caps);
+    REQUIRE(!plan);
+    CHECK(plan.error().fault == Fault::device);
+    CHECK(plan.error().text == "needs 576 bytes of shared memory for 12 joints: test device allows 575");
+    which.compute.staged = false;
+    CHECK(makePlan(which, *input, caps));
+
+    which.compute = {.staged = true, .packed = true};
+    which.submission = Submission::batched;
+    CHECK(unsupported(which, generousCaps(Api::opengl)) ==
+          "a work group of a batched dispatch spans copies, so it cannot stage the palette of one");
+    which.compute.staged = false;
+    CHECK(!unsupported(which, generousCaps(Api::opengl)));
 }
 
 TEST_CASE("memory of one copy, buffer by buffer") {

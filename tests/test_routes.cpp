@@ -2,6 +2,7 @@
 // across routes, under validation with no message allowed. Every model of the shared folder where it is there.
 #include <catch2/catch_test_macros.hpp>
 
+#include <algorithm>
 #include <filesystem>
 #include <iostream>
 #include <set>
@@ -210,6 +211,146 @@ TEST_CASE("culling in the mesh stage draws what the rasteriser's culling draws, 
                     // Torabi's test loses triangles that are seen edge-on.
                     CHECK(compareImages(culled, image, 0).fraction <= (cull == Cull::torabi ? 0.0005 : 0));
                 }
+    }
+}
+
+namespace {
+
+// Several rows, so that a far half exists, of even and odd copies.
+constexpr uint32_t kGridCopies = 60;
+
+std::vector<Case> computeCases(const char* codec = nullptr) {
+    std::set<std::string> known;
+    std::vector<Case> cases;
+    for (const Case& which : everyCase())
+        if (which.compute != ComputeOptions{} && which.view == View::shaded &&
+            (!codec || which.codec == findCodec(codec)) && known.insert(caseId(which)).second)
+            cases.push_back(which);
+    return cases;
+}
+
+Case computeCase(Api api, const ComputeOptions& options) {
+    Case which;
+    which.route = findRoute(api == Api::vulkan ? "vk" : "gl");
+    which.variant = findVariant("compute");
+    which.codec = findCodec("uc");
+    which.compute = options;
+    return which;
+}
+
+}  // namespace
+
+TEST_CASE("every option of compute is right on a grid with a far half") {
+    if (!anyDriver()) SKIP("no Vulkan and no OpenGL driver on this machine");
+    Workload workload = tinyWorkload(kGridCopies);
+    CHECK(requireVerified(workload, computeCases()) > 30);
+    if (modelFiles().empty()) return;
+    for (const char* name : {"CesiumMan", "Fox", "BrainStem"})
+        for (const std::string& file : modelFiles())
+            if (file.find(name) != std::string::npos) {
+                Workload model = modelWorkload(file, 7);
+                CHECK(requireVerified(model, computeCases("uc")) > 10);
+            }
+}
+
+TEST_CASE("half-rate skips odd copies of the far half in even frames, and no others") {
+    if (!anyDriver()) SKIP("no Vulkan and no OpenGL driver on this machine");
+    Workload workload = tinyWorkload(kGridCopies);
+    for (const auto& [api, open] : openedBackends())
+        for (Submission submission : {Submission::perCopy, Submission::batched})
+            for (uint32_t number : {0u, 1u}) {
+                if (!open.backend) continue;
+                Case which = computeCase(api, {.halfRate = true});
+                which.submission = submission;
+                auto input = planInput(workload, which);
+                REQUIRE(input);
+                auto plan = makePlan(which, *input, open.backend->caps());
+                REQUIRE(plan);
+                auto id = open.backend->prepare(*plan);
+                REQUIRE(id);
+                auto frame = makeFrame(workload, 4, number);
+                REQUIRE(frame);
+                const std::vector<FrameInput> frames{{frame->constants, std::as_bytes(std::span(frame->palettes)), {}}};
+                REQUIRE(open.backend->run(*id, frames));
+                auto bytes = open.backend->readStream(*id, SLOT_SKINNED);
+                REQUIRE(bytes);
+                open.backend->release(*id);
+                const auto columns = static_cast<uint32_t>(frame->constants.grid.x);
+                const uint32_t rows = (kGridCopies + columns - 1) / columns;
+                REQUIRE(rows > 2);
+                const size_t size = bytes->size() / kGridCopies;
+                uint32_t skipped = 0;
+                for (uint32_t copy = 0; copy < kGridCopies; ++copy) {
+                    const auto part = std::span(*bytes).subspan(copy * size, size);
+                    const bool untouched = std::ranges::all_of(part, [](std::byte b) { return b == std::byte{0}; });
+                    const bool far = copy >= (rows + 1) / 2 * columns;
+                    INFO(caseId(which) << " frame " << number << " copy " << copy);
+                    CHECK(untouched == (far && copy % 2 != number));
+                    skipped += untouched;
+                }
+                CHECK(skipped > kGridCopies / 8);
+            }
+}
+
+TEST_CASE("the velocity view tells what moves from what rests") {
+    if (!anyDriver()) SKIP("no Vulkan and no OpenGL driver on this machine");
+    for (const auto& [api, open] : openedBackends())
+        for (bool packed : {false, true}) {
+            if (!open.backend) continue;
+            Case which = computeCase(api, {.previous = true, .packed = packed});
+            which.view = View::velocity;
+            auto yellow = [&](bool animated) {
+                Workload workload = tinyWorkload(1);
+                workload.settings.animated = animated;
+                auto image = renderImage(workload, which, *open.backend);
+                REQUIRE(image);
+                size_t pixels = 0;
+                for (size_t i = 0; i < image->rgba.size(); i += 4) pixels += image->rgba[i] > image->rgba[i + 2] + 10;
+                return pixels;
+            };
+            INFO(caseId(which));
+            CHECK(yellow(false) == 0);
+            CHECK(yellow(true) > 20);
+        }
+}
+
+TEST_CASE("a fault in any option of compute is found") {
+    if (!anyDriver()) SKIP("no Vulkan and no OpenGL driver on this machine");
+    struct Fault {
+        ComputeOptions options;
+        const char *file, *right, *wrong, *reason;
+    };
+    const std::vector<Fault> faults = {
+        {{.staged = true}, "compute.glsl", "STAGED_JOINTS * 3); row", "STAGED_JOINTS * 2); row", "positions"},
+        {{.previous = true},
+         "skinned.glsl",
+         "vec4(skinnedVertices[place].positionU.xyz",
+         "vec4(position",
+         "previous positions"},
+        {{.tangents = true}, "compute.glsl", "turned(blend, tangent.xyz)", "tangent.xyz", "tangents"},
+        {{.tangents = true}, "compute.glsl", "tangent.w);", "-tangent.w);", "tangents"},
+        {{.earlyExit = true}, "compute.glsl", "whole = 1.0 -", "whole = 0.5 -", "positions"},
+        {{.packed = true}, "octahedral.glsl", "n.z < 0.0 ? fold", "n.z < -2.0 ? fold", "normals"},
+        {{.halfRate = true}, "compute.glsl", "% 2u != 0u", "% 2u != 2u", "positions"},
+    };
+    BenchSettings settings;
+    settings.timed = false;
+    for (const Fault& fault : faults) {
+        Workload workload = tinyWorkload(kGridCopies);
+        std::string& text = workload.shaders.files[fault.file];
+        INFO(fault.right);
+        REQUIRE(text.find(fault.right) != std::string::npos);
+        text.replace(text.find(fault.right), std::string(fault.right).size(), fault.wrong);
+        std::vector<Case> cases;
+        for (Api api : {Api::vulkan, Api::opengl}) cases.push_back(computeCase(api, fault.options));
+        auto results = runBench(workload, cases, openedBackends(), settings, {});
+        REQUIRE(results);
+        for (const CaseResult& result : *results) {
+            if (result.status == CaseStatus::skipped) continue;
+            INFO(result.id << ": " << result.reason);
+            CHECK(result.status == CaseStatus::failed);
+            CHECK(result.reason.find(std::string(fault.reason) + " are off by") == 0);
+        }
     }
 }
 
