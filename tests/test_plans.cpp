@@ -1,5 +1,6 @@
 // Words, case ids, what a device can run, and the plans themselves: draws, buffers, limits. No driver takes part.
 #include <algorithm>
+#include <cstring>
 #include <format>
 #include <set>
 
@@ -123,6 +124,124 @@ TEST_CASE("case ids stay what result files of the past say") {
     mesh.groupSize = 32;
     mesh.raster = RasterMode::full;
     CHECK(caseId(mesh) == "gl-ext/mesh/uc/scan/redirect");
+}
+
+TEST_CASE("ids say every option that is not the default") {
+    Case mesh = makeCase("vk-nv", "mesh");
+    mesh.shape = {JointSource::staged, true, true, true};
+    mesh.layout = findMeshletLayout("fixed");
+    mesh.cull = Cull::compact;
+    mesh.exchange = Exchange::shared;
+    mesh.scenario = Scenario::prepass;
+    CHECK(caseId(mesh) ==
+          "vk-nv/mesh/uc/meshopt/fixed+joints-staged+clamped-loads+ordered-records+uniform-palette+cull-compact+shared"
+          "+prepass");
+    Case common = makeCase("gl-ext", "mesh-ci");
+    CHECK(caseId(common) == "gl-ext/mesh-ci/uc/meshopt/redirect");
+    common.common = {CiGrouping::triangles, CiKey::ordered, 32, true};
+    common.cull = Cull::torabi;
+    CHECK(caseId(common) == "gl-ext/mesh-ci/uc/meshopt/redirect+ci-triangles+ci-ordered+ci-min-32+fat+cull-torabi");
+    CHECK(caseId(makeCase("gl", "palette")) == "gl/palette/uc+slots-32");
+    CHECK(caseId(makeCase("vk-ext", "mesh", "dpdc16")) == "vk-ext/mesh/dpdc16/meshopt/redirect");
+}
+
+TEST_CASE("what an option cannot do is told in one sentence") {
+    const DeviceCaps able = generousCaps(Api::vulkan);
+    Case mesh = makeCase("vk-nv", "mesh");
+    mesh.cull = Cull::primitive;
+    CHECK(unsupported(mesh, able) == "gl_CullPrimitive exists in the EXT dialect only");
+    mesh.cull = Cull::compact;
+    mesh.exchange = Exchange::shuffle;
+    CHECK(!unsupported(mesh, able));
+    DeviceCaps narrow = able;
+    narrow.subgroupSize = 8;
+    CHECK(unsupported(mesh, narrow) ==
+          "32 invocations a work group are not one subgroup that can shuffle: test device has 8");
+    mesh.cull = Cull::torabi;
+    CHECK(unsupported(mesh, able) == "--cull torabi exchanges through shared memory only");
+    mesh = makeCase("vk-ext", "mesh");
+    mesh.cull = Cull::primitive;
+    DeviceCaps ignoring = able;
+    ignoring.primitiveCullIgnored = true;
+    CHECK(unsupported(mesh, ignoring) == "test device ignores gl_CullPrimitiveEXT");
+    mesh = makeCase("vk-ext", "mesh", "pc");
+    mesh.shape.joints = JointSource::staged;
+    CHECK(unsupported(mesh, able) == "codec pc has no record without joint ids");
+    mesh = makeCase("vk-ext", "mesh", "pdc16");
+    mesh.shape.orderedRecords = true;
+    CHECK(unsupported(mesh, able) == "codec pdc16 orders its vertices by the width of their differences");
+    mesh = makeCase("vk-ext", "mesh");
+    mesh.shape.uniformPalette = true;
+    mesh.submission = Submission::batched;
+    CHECK(unsupported(mesh, able) == "a uniform block holds one copy's palette, so copies cannot be drawn at once");
+    CHECK(unsupported(makeCase("vk", "vertex", "pc"), able) == "no attribute format carries codec pc");
+    CHECK(unsupported(makeCase("vk", "compute", "pdc8"), able) == "codec pdc8 decodes in mesh stages only");
+    Case palette = makeCase("vk", "palette", "pc");
+    palette.fetch = VertexFetch::pull;
+    CHECK(unsupported(palette, able) == "codec pc stores joints, and palette draws need slots");
+}
+
+TEST_CASE("a pre-pass lays down depth, keeps the skinned vertices, and draws where the depth is equal") {
+    Workload workload = tinyWorkload(2);
+    for (const char* words : {"vk vertex", "gl compute", "vk-ext mesh", "gl-nv mesh-ci"}) {
+        const std::string text(words);
+        Case which = makeCase(text.substr(0, text.find(' ')).c_str(), text.substr(text.find(' ') + 1).c_str());
+        which.scenario = Scenario::prepass;
+        INFO(words);
+        const bool mesh = which.builder != nullptr;
+        for (bool differs : {false, true}) {
+            DeviceCaps caps = generousCaps(which.route->api);
+            caps.meshDepthDiffers = differs;
+            const FramePlan plan = planOf(workload, which, caps);
+            const Pass &depth = passOf(plan, "depth"), &draw = passOf(plan, "draw");
+            CHECK(plan.passes.size() == (which.variant == findVariant("compute") ? 3 : 2));
+            CHECK(!depth.writeColor);
+            CHECK(depth.depth == DepthTest::lessWrite);
+            CHECK(depth.clear);
+            CHECK(plan.programs[depth.program].stages.size() == 1);
+            CHECK(draw.depth == DepthTest::equalKeep);
+            CHECK(!draw.clear);
+            CHECK(draw.kind == (mesh && differs ? PassKind::drawMesh : PassKind::drawIndexed));
+            CHECK(streamOf(plan, SLOT_SKINNED)->gpuBytes % sizeof(SkinnedVertex) == 0);
+        }
+    }
+}
+
+TEST_CASE("uniform palettes are blocks that draws point into") {
+    Workload workload = tinyWorkload(3);
+    Case mesh = makeCase("vk-ext", "mesh");
+    mesh.shape.uniformPalette = true;
+    Case palette = makeCase("vk", "palette");
+    palette.paletteSlots = 9;
+    for (const Case& which : {mesh, palette}) {
+        INFO(caseId(which));
+        const FramePlan plan = planOf(workload, which, generousCaps(which.route->api));
+        const auto input = planInput(workload, which);
+        const auto blocks = paletteBlocks(which, *input);
+        REQUIRE(blocks);
+        CHECK(plan.paletteRange == blocks->size * sizeof(PaletteEntry));
+        CHECK(plan.paletteBytes == blocks->stride() * (blocks->joints.size() / blocks->size) * 3);
+        std::set<uint64_t> offsets;
+        for (const Draw& draw : passOf(plan, "draw").draws) {
+            CHECK(draw.paletteOffset % kPaletteAlignment == 0);
+            CHECK(draw.paletteOffset + plan.paletteRange <= plan.paletteBytes);
+            offsets.insert(draw.paletteOffset);
+        }
+        CHECK(offsets.size() == 3 * (blocks->joints.size() / blocks->size));
+        const FrameData frame = *makeFrame(workload, 4, 0);
+        const std::vector<std::byte> bytes = blockedPalettes(frame, 3, *blocks);
+        REQUIRE(bytes.size() == plan.paletteBytes);
+        for (size_t i = 0; i < blocks->joints.size(); ++i) {
+            if (blocks->joints[i] == kNoJoint) continue;
+            const size_t at = i / blocks->size * blocks->stride() + i % blocks->size * sizeof(PaletteEntry);
+            CHECK(std::memcmp(&bytes[at], &frame.palettes[blocks->joints[i]], sizeof(PaletteEntry)) == 0);
+        }
+    }
+    DeviceCaps small = generousCaps(Api::vulkan);
+    small.maxUniformBytes = 12 * sizeof(PaletteEntry) - 1;
+    const auto refused = makePlan(mesh, *planInput(workload, mesh), small);
+    REQUIRE(!refused);
+    CHECK_THAT(refused.error().text, ContainsSubstring("needs a uniform block of 576 bytes for 12 joints"));
 }
 
 TEST_CASE("different cases have different ids, but for views") {
