@@ -52,7 +52,7 @@ struct Selectors {
     std::vector<std::string> routes, variants, codecs, builders, layouts, rasters, fetches, submissions, indexWrites;
     std::vector<std::string> culls, exchanges, scenarios, joints, loads, records, palettes;
     std::vector<std::string> ciGroupings, ciKeys, ciVertices;
-    std::vector<std::string> computes;  // "plain", or options joined with +; empty: plain
+    std::vector<std::string> computes;   // "plain", or options joined with +; empty: plain
     std::vector<uint32_t> ciMins;        // empty: the default
     std::vector<uint32_t> paletteSlots;  // empty: the default
     std::vector<std::string> meshlets;   // "64/124" or the name of such a pair

@@ -64,7 +64,8 @@ void addLists(CLI::App& command, Selectors& s) {
 void addSelectors(CLI::App& command, Selectors& s) {
     command.add_option("scene", s.scene, "a .gltf or .glb file, or builtin:NAME[:VERTICES]")->capture_default_str();
     addLists(command, s);
-    command.add_option("--shape", s.shape, "given: as joints, loads, records and palette say; auto: the fastest of them")
+    command
+        .add_option("--shape", s.shape, "given: as joints, loads, records and palette say; auto: the fastest of them")
         ->check(CLI::IsMember({"given", "auto"}))
         ->capture_default_str();
     command.add_option("--geometry", s.geometry, geometryWords())->capture_default_str();

@@ -14,8 +14,8 @@ struct Framing {
     float yaw = 0;  // degrees around y: 0 looks at the character's front
 };
 
-// Copies fill a grid of about the image's shape, centred and just inside the view; row 0 of the image is its top. `frame`
-// is the number that FrameConstants carries.
+// Copies fill a grid of about the image's shape, centred and just inside the view; row 0 of the image is its top.
+// `frame` is the number that FrameConstants carries.
 FrameConstants frameConstants(const Framing& framing, uint32_t frame);
 
 // The bounds of a whole clip (sampled 8 times), so that an animated character stays in view; of the rest pose for a

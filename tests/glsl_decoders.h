@@ -179,24 +179,9 @@
 
 namespace skinbench::glsl {
 inline const Decoder* const kDecoders[] = {
-    &uc4::decoder,
-    &uc8::decoder,
-    &halves4::decoder,
-    &halves8::decoder,
-    &simplex16::decoder,
-    &simplex22::decoder,
-    &pc4::decoder,
-    &pc8::decoder,
-    &pc16::decoder,
-    &pc24::decoder,
-    &pc40::decoder,
-    &pc48::decoder,
-    &pc56::decoder,
-    &pc64::decoder,
-    &pc32x8::decoder,
-    &pdc8::decoder,
-    &pdc16::decoder,
-    &pdc32::decoder,
-    &dpdc16::decoder,
+    &uc4::decoder,       &uc8::decoder,   &halves4::decoder, &halves8::decoder, &simplex16::decoder,
+    &simplex22::decoder, &pc4::decoder,   &pc8::decoder,     &pc16::decoder,    &pc24::decoder,
+    &pc40::decoder,      &pc48::decoder,  &pc56::decoder,    &pc64::decoder,    &pc32x8::decoder,
+    &pdc8::decoder,      &pdc16::decoder, &pdc32::decoder,   &dpdc16::decoder,
 };
 }  // namespace skinbench::glsl
