@@ -229,6 +229,8 @@ Result<std::vector<Case>> crossCases(const Selectors& s) {
                              [](Case& c, VertexFetch value) { c.fetch = value; });
     all.byWords<VertexFetch>(kFetches, orDefault(s.fetches, "pull"), "vertex fetch", pulls,
                              [](Case& c, VertexFetch value) { c.fetch = value; });
+    for (uint32_t slots : s.paletteSlots)
+        if (slots == 0 || slots > UINT16_MAX) return inputError("a palette has 1 to 65535 slots");
     if (!s.paletteSlots.empty())
         all.by<uint32_t>(s.paletteSlots, usesPartition, [](Case& c, const uint32_t& value) { c.paletteSlots = value; });
     all.by<ComputeOptions>(*computes, skinsInCompute, [](Case& c, const ComputeOptions& value) { c.compute = value; });

@@ -109,6 +109,7 @@ TEST_CASE("words that do not exist") {
         {{"render", "builtin:robot:2000", "--route", "vk", "--variant", "compute", "--view", "velocity", "-o", "x.png"},
          2,
          "view velocity needs --variant compute --compute previous"},
+        {{"verify", "--variants", "palette", "--palette-slots", "0"}, 2, "a palette has 1 to 65535 slots"},
         {{"verify", "--compute", "staged+fast"}, 2, "no compute option 'fast'; there is plain, staged, previous"},
         {{"verify", "--compute", "plain+staged"}, 2, "no compute option 'plain'"},
         {{"verify", "--compute", "staged++packed"}, 2, "no compute option ''"},
