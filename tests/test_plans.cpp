@@ -38,7 +38,7 @@ FramePlan planOf(Workload& workload, const Case& which, const DeviceCaps& caps, 
     return std::move(*plan);
 }
 
-const Pass& passOf(const FramePlan& plan, const std::string& label) {
+const Pass& passOf(const FramePlan& plan, std::string_view label) {
     auto pass = std::ranges::find(plan.passes, label, &Pass::label);
     REQUIRE(pass != plan.passes.end());
     return *pass;

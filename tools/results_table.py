@@ -4,6 +4,7 @@
 usage: tools/results_table.py RESULTS.json… [--baseline CASE_PREFIX]     (default: vk/vertex/uc, the same raster mode)
 """
 import json
+import os
 import sys
 
 
@@ -34,7 +35,7 @@ def main(arguments):
             results = json.load(file)
         scene, settings = results["scene"], results["settings"]
         names = ", ".join(sorted({f"{d['name']} ({d['driver']})" for d in results["devices"]}))
-        print(f"**{scene['name']}**: {scene['vertices']:,} vertices, {scene['triangles']:,} triangles, "
+        print(f"### {os.path.basename(path)}\n\n**{scene['name']}**: {scene['vertices']:,} vertices, {scene['triangles']:,} triangles, "
               f"{scene['joints']} joints; {settings['copies']} copies, {settings['width']}x{settings['height']}, "
               f"{settings['frames']} frames in {settings['rounds']} rounds; {names}; revision "
               f"`{results['tool']['revision']}`\n")
