@@ -17,8 +17,8 @@ const std::vector<Codec>& codecs() {
     return rows;
 }
 
-// Not in codecs(): seven bit budgets of one codec would crowd every table.
-static const std::vector<Codec>& fittedCodecs() {
+// Not in codecs(): seven bit budgets of one codec would crowd every table, and `ids` codes no mesh.
+static const std::vector<Codec>& otherCodecs() {
     constexpr const char* what = "permutation coding fitted to the mesh's number of tuples";
     static const std::vector<Codec> rows = {
         {"pc16", what, "codecs/pc.glsl", false, encodePcBits<16>},
@@ -28,12 +28,13 @@ static const std::vector<Codec>& fittedCodecs() {
         {"pc48", what, "codecs/pc.glsl", false, encodePcBits<48>},
         {"pc56", what, "codecs/pc.glsl", false, encodePcBits<56>},
         {"pc64", what, "codecs/pc.glsl", false, encodePcBits<64>},
+        {"ids", "no bytes: positions that follow from vertex numbers", "codecs/ids.glsl", false, encodeIds},
     };
     return rows;
 }
 
 const Codec* findCodec(const std::string& name) {
-    for (const auto* rows : {&codecs(), &fittedCodecs()})
+    for (const auto* rows : {&codecs(), &otherCodecs()})
         for (const Codec& codec : *rows)
             if (name == codec.name) return &codec;
     return nullptr;

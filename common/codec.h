@@ -21,6 +21,13 @@ Bytes toBytes(const std::vector<T>& values) {
     return std::make_shared<const std::vector<std::byte>>(first, first + values.size() * sizeof(T));
 }
 
+// The largest differences between a vertex as it was given and as it decodes, in the bind pose.
+struct CodecBounds {
+    glm::dvec3 position{0};   // per axis, in units of the scene
+    double weights = 0;       // sum of the absolute differences of a vertex' weights; both sum to 1
+    bool addsJoints = false;  // a joint that the vertex does not have may get such a weight
+};
+
 struct EncodedMesh {
     uint32_t vertexCount = 0;                 // after splitting, where a codec splits
     Bytes vertices;                           // SLOT_VERTEX
@@ -29,9 +36,10 @@ struct EncodedMesh {
     std::optional<MeshletMesh> meshlets;      // where the codec rewrites vertex references
     std::vector<VertexAttribute> attributes;  // empty: no attribute format can carry this codec
     uint32_t attributeStride = 0;
-    Defines defines;                // for every stage that decodes
-    std::vector<uint32_t> sources;  // per vertex: vertex of the mesh that it came from; empty: itself
-    std::function<Mesh()> decode;   // null: the mesh's own attributes, bit for bit; use decodeOnCpu
+    Defines defines;                    // for every stage that decodes
+    std::vector<uint32_t> sources;      // per vertex: vertex of the mesh that it came from; empty: itself
+    std::function<Mesh()> decode;       // null: the mesh's own attributes, bit for bit; use decodeOnCpu
+    std::optional<CodecBounds> bounds;  // empty where decode is null, or nothing is promised
 };
 
 struct Codec {
@@ -44,7 +52,7 @@ struct Codec {
 };
 
 // The codecs that `all` stands for. findCodec also knows pc16, pc24 … pc64: permutation codes of that many bits, fitted
-// to the mesh's number of tuples.
+// to the mesh's number of tuples; and ids, which stores nothing (limitCase).
 const std::vector<Codec>& codecs();
 const Codec* findCodec(const std::string& name);
 
@@ -82,5 +90,8 @@ Result<EncodedMesh> encodePdc8(const Mesh& mesh, const MeshletMesh* meshlets, in
 Result<EncodedMesh> encodePdc16(const Mesh& mesh, const MeshletMesh* meshlets, int influences);
 Result<EncodedMesh> encodePdc32(const Mesh& mesh, const MeshletMesh* meshlets, int influences);
 Result<EncodedMesh> encodeDpdc16(const Mesh& mesh, const MeshletMesh* meshlets, int influences);
+
+// No bytes at all: the decoder places vertex n of a copy by its number, in the bounding box of the mesh.
+Result<EncodedMesh> encodeIds(const Mesh& mesh, const MeshletMesh* meshlets, int influences);
 
 }  // namespace skinbench

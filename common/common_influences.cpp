@@ -222,6 +222,11 @@ public:
     // `vertices` are those of collect, not yet released.
     void cut(const std::vector<uint32_t>& triangles, const std::vector<uint32_t>& vertices, uint32_t list) {
         Mesh part;
+        part.positions.reserve(vertices.size());
+        part.normals.reserve(vertices.size());
+        part.uvs.reserve(vertices.size());
+        part.influences.reserve(vertices.size());
+        part.indices.reserve(triangles.size() * 3);
         for (uint32_t vertex : vertices) {
             part.positions.push_back(mesh_.positions[vertex]);
             part.normals.push_back(mesh_.normals[vertex]);
@@ -294,6 +299,16 @@ CommonInfluenceCut makeRecords(const Mesh& mesh, const Marked& marked) {
     constexpr uint32_t kNone = UINT32_MAX;
     std::vector<uint32_t> latest(mesh.positions.size(), kNone);
     std::vector<Link> links;
+    const size_t least = mesh.positions.size();  // records, but for vertices without a triangle
+    links.reserve(least);
+    cut.sources.reserve(least);
+    cut.mesh.positions.reserve(least);
+    cut.mesh.normals.reserve(least);
+    cut.mesh.uvs.reserve(least);
+    cut.mesh.influences.reserve(least);
+    cut.mesh.indices.reserve(mesh.indices.size());
+    cut.meshlets.vertices.reserve(marked.meshlets.vertices.size());
+    cut.meshlets.triangles.reserve(marked.meshlets.triangles.size());
     auto record = [&](uint32_t vertex, uint32_t list) {
         for (uint32_t r = latest[vertex]; r != kNone; r = links[r].earlier)
             if (links[r].list == list) return r;
@@ -337,11 +352,14 @@ CommonInfluenceCut makeRecords(const Mesh& mesh, const Marked& marked) {
 std::string place(const char* what, size_t number) { return std::format("common influences: {} {}: ", what, number); }
 
 // (joint, weight) of every influence with a weight, in the order of joints.
-std::vector<std::pair<uint16_t, float>> weighted(const Influences& influences) {
-    std::vector<std::pair<uint16_t, float>> list;
-    for (size_t i = 0; i < influences.joints.size(); ++i)
-        if (influences.weights[i] != 0) list.emplace_back(influences.joints[i], influences.weights[i]);
-    std::ranges::sort(list);
+auto weighted(const Influences& influences) {
+    std::array<std::pair<uint16_t, float>, kMaxInfluences> list{};
+    size_t count = 0;
+    for (size_t i = 0; i < influences.joints.size(); ++i) {
+        if (influences.weights[i] == 0) continue;
+        list[count] = {influences.joints[i], influences.weights[i]};
+        for (size_t k = count++; k > 0 && list[k] < list[k - 1]; --k) std::swap(list[k], list[k - 1]);
+    }
     return list;
 }
 
@@ -362,15 +380,10 @@ Result<void> checkRecords(const Mesh& mesh, const CommonInfluenceCut& cut) {
 // Takes a cut whose meshlets passed checkMeshlets.
 Result<void> checkLists(const CommonInfluenceCut& cut) {
     uint32_t triangles = 0;
-    std::vector<uint32_t> indices;
-    indices.reserve(cut.mesh.indices.size());
     for (size_t m = 0; m < cut.meshlets.meshlets.size(); ++m) {
         const Meshlet& meshlet = cut.meshlets.meshlets[m];
         const bool common = m < cut.commonMeshlets;
         if (common) triangles += meshlet.triangleCount;
-        for (uint32_t t = 0; t < meshlet.triangleCount; ++t)
-            for (uint8_t corner : cut.meshlets.triangles[meshlet.firstTriangle + t])
-                indices.push_back(cut.meshlets.vertices[meshlet.firstVertex + corner]);
         for (uint32_t i = 0; i < meshlet.vertexCount; ++i) {
             const uint32_t record = cut.meshlets.vertices[meshlet.firstVertex + i];
             if ((record < cut.commonRecords) != common)
@@ -382,7 +395,7 @@ Result<void> checkLists(const CommonInfluenceCut& cut) {
     if (triangles != cut.commonTriangles)
         return inputError(std::format("common influences: {} triangles are counted as common instead of {}",
                                       cut.commonTriangles, triangles));
-    if (indices != cut.mesh.indices)
+    if (triangleList(cut.meshlets) != cut.mesh.indices)
         return inputError("common influences: the indices are not the meshlets' triangles in order");
     return {};
 }

@@ -6,6 +6,7 @@
 #include <set>
 
 #include "common/builders/builders.h"
+#include "common/codecs/tuples.h"
 
 namespace skinbench {
 
@@ -30,8 +31,23 @@ static std::array<uint32_t, 3> canonical(uint32_t a, uint32_t b, uint32_t c) {
     return std::min({std::array{a, b, c}, std::array{b, c, a}, std::array{c, a, b}});
 }
 
+using Triangles = std::vector<std::array<uint32_t, 3>>;
+
+// Sorts by the first corner in linear time, then what shares it.
+static void sortTriangles(Triangles& triangles, size_t vertices) {
+    const auto bucket = [vertices](const auto& triangle) { return std::min<size_t>(triangle[0], vertices); };
+    std::vector<size_t> next(vertices + 2);
+    for (const auto& triangle : triangles) ++next[bucket(triangle) + 1];
+    for (size_t v = 0; v <= vertices; ++v) next[v + 1] += next[v];
+    Triangles sorted(triangles.size());
+    for (const auto& triangle : triangles) sorted[next[bucket(triangle)]++] = triangle;
+    size_t begin = 0;
+    for (size_t v = 0; v <= vertices; begin = next[v++]) std::sort(sorted.begin() + begin, sorted.begin() + next[v]);
+    triangles = std::move(sorted);
+}
+
 Result<void> checkMeshlets(const Mesh& mesh, const MeshletMesh& cut) {
-    std::vector<std::array<uint32_t, 3>> drawn;
+    Triangles drawn;
     drawn.reserve(mesh.indices.size() / 3);
     for (size_t m = 0; m < cut.meshlets.size(); ++m) {
         const Meshlet& meshlet = cut.meshlets[m];
@@ -53,14 +69,24 @@ Result<void> checkMeshlets(const Mesh& mesh, const MeshletMesh& cut) {
             drawn.push_back(canonical(ids[local[0]], ids[local[1]], ids[local[2]]));
         }
     }
-    std::vector<std::array<uint32_t, 3>> wanted;
+    Triangles wanted;
     wanted.reserve(mesh.indices.size() / 3);
     for (size_t i = 0; i + 2 < mesh.indices.size(); i += 3)
         wanted.push_back(canonical(mesh.indices[i], mesh.indices[i + 1], mesh.indices[i + 2]));
-    std::ranges::sort(drawn);
-    std::ranges::sort(wanted);
+    sortTriangles(drawn, mesh.positions.size());
+    sortTriangles(wanted, mesh.positions.size());
     if (drawn != wanted) return inputError("the meshlets do not hold every triangle exactly once");
     return {};
+}
+
+std::vector<uint32_t> triangleList(const MeshletMesh& meshlets) {
+    std::vector<uint32_t> corners;
+    corners.reserve(meshlets.triangles.size() * 3);
+    for (const Meshlet& meshlet : meshlets.meshlets)
+        for (uint32_t t = 0; t < meshlet.triangleCount; ++t)
+            for (uint8_t local : meshlets.triangles[meshlet.firstTriangle + t])
+                corners.push_back(meshlets.vertices[meshlet.firstVertex + local]);
+    return corners;
 }
 
 MeshletStats meshletStats(const Mesh& mesh, const MeshletMesh& cut) {
@@ -68,15 +94,17 @@ MeshletStats meshletStats(const Mesh& mesh, const MeshletMesh& cut) {
     stats.meshlets = static_cast<uint32_t>(cut.meshlets.size());
     if (cut.meshlets.empty()) return stats;
     uint64_t vertices = 0, triangles = 0, tuples = 0;
-    std::vector<std::array<uint16_t, kMaxInfluences>> seen;
-    for (const Meshlet& meshlet : cut.meshlets) {
+    const TupleTable table = distinctTuples(mesh, kMaxInfluences);
+    std::vector<size_t> seenIn(table.tuples.size(), SIZE_MAX);  // the last meshlet that has the tuple
+    for (size_t m = 0; m < cut.meshlets.size(); ++m) {
+        const Meshlet& meshlet = cut.meshlets[m];
         vertices += meshlet.vertexCount;
         triangles += meshlet.triangleCount;
-        seen.clear();
-        for (uint32_t i = 0; i < meshlet.vertexCount; ++i)
-            seen.push_back(mesh.influences[cut.vertices[meshlet.firstVertex + i]].joints);
-        std::ranges::sort(seen);
-        tuples += static_cast<uint64_t>(std::ranges::unique(seen).begin() - seen.begin());
+        for (uint32_t i = 0; i < meshlet.vertexCount; ++i) {
+            size_t& seen = seenIn[table.vertexTuple[cut.vertices[meshlet.firstVertex + i]]];
+            tuples += seen != m;
+            seen = m;
+        }
     }
     const double count = static_cast<double>(cut.meshlets.size());
     stats.meanVertices = static_cast<double>(vertices) / count;
@@ -98,7 +126,11 @@ static bool isWide(const MeshletPacking& packing) { return packing.orderedRecord
 static void appendWide(std::vector<uint32_t>& words, const MeshletMesh& cut, const MeshletPacking& packing,
                        size_t number) {
     if (!isWide(packing)) return;
-    words.push_back(packing.orderedRecords ? cut.meshlets[number].firstVertex : 0);
+    const Meshlet& meshlet = cut.meshlets[number];
+    const uint32_t first = cut.vertices[meshlet.firstVertex];
+    for (uint32_t i = 0; i < meshlet.vertexCount && packing.orderedRecords; ++i)
+        SKINBENCH_ASSERT(cut.vertices[meshlet.firstVertex + i] == first + i);
+    words.push_back(packing.orderedRecords ? first : 0);
     words.push_back(packing.extraStart.empty() ? 0 : packing.extraStart[number]);
 }
 

@@ -58,11 +58,14 @@ const Builder* findBuilder(const std::string& name);
 // it costs little, for every builder run of the program.
 Result<void> checkMeshlets(const Mesh& mesh, const MeshletMesh& meshlets);
 
+// Three vertices a triangle, in the order of the meshlets.
+std::vector<uint32_t> triangleList(const MeshletMesh& meshlets);
+
 MeshletStats meshletStats(const Mesh& mesh, const MeshletMesh& meshlets);
 
 // What a case's shader reads beside the plain meshlets.
 struct MeshletPacking {
-    bool orderedRecords = false;       // record i of a meshlet is firstVertex + i: vertex ids are not stored
+    bool orderedRecords = false;       // every meshlet's vertex ids count up by one: only its first one is stored
     uint32_t commonMeshlets = 0;       // these, the first ones, share a joint list
     std::vector<uint32_t> extraStart;  // per meshlet: first word of what SLOT_MESHLET_EXTRA holds for it; or empty
 };

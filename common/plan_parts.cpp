@@ -127,13 +127,7 @@ void addSkinnedStream(FramePlan& plan, const PlanInput& input, uint32_t use, uin
 // same corner, or their interpolated depths differ in the last bit; and a codec may have split what the meshlets name.
 static std::vector<uint32_t> drawnIndices(const PlanInput& input) {
     if (!input.meshlets) return input.records ? input.records->mesh.indices : input.scene->mesh.indices;
-    const MeshletMesh& cut = *input.meshlets;
-    std::vector<uint32_t> indices;
-    for (const Meshlet& meshlet : cut.meshlets)
-        for (uint32_t t = 0; t < meshlet.triangleCount; ++t)
-            for (uint8_t local : cut.triangles[meshlet.firstTriangle + t])
-                indices.push_back(cut.vertices[meshlet.firstVertex + local]);
-    return indices;
+    return triangleList(*input.meshlets);
 }
 
 void addIndexedDraws(FramePlan& plan, Pass& pass, const Case& which, const PlanInput& input) {

@@ -28,11 +28,7 @@ static Records ordered(const Mesh& mesh, const MeshletMesh& cut) {
         appendVertex(out, mesh, cut.vertices[i]);
         records.meshlets.vertices[i] = static_cast<uint32_t>(i);
     }
-    out.indices.reserve(cut.triangles.size() * 3);
-    for (const Meshlet& meshlet : cut.meshlets)
-        for (uint32_t t = 0; t < meshlet.triangleCount; ++t)
-            for (uint8_t local : cut.triangles[meshlet.firstTriangle + t])
-                out.indices.push_back(meshlet.firstVertex + local);
+    out.indices = triangleList(records.meshlets);
     records.sources = cut.vertices;
     return records;
 }

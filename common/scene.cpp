@@ -331,4 +331,9 @@ SceneStats sceneStats(const Scene& scene) {
     return stats;
 }
 
+const char* geometryName(Geometry geometry) {
+    constexpr const char* kNames[] = {"welded", "stored", "unwelded"};
+    return kNames[static_cast<size_t>(geometry)];
+}
+
 }  // namespace skinbench

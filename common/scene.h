@@ -118,6 +118,7 @@ enum class Geometry {
     stored,    // as the file stores them
     unwelded,  // one vertex per triangle corner, as Kimmersdorfer's scenes were
 };
+const char* geometryName(Geometry geometry);
 
 struct PrepareOptions {
     int influences = 4;  // kept per vertex: 4 or 8

@@ -1,6 +1,7 @@
 #include "common/verify.h"
 
 #include <algorithm>
+#include <array>
 #include <cstring>
 #include <limits>
 
@@ -56,6 +57,63 @@ CapturedError capturedError(const Case& which, const PlanInput& input, const Fra
         worst.source = larger(worst.source, source);
         const SkinError own = lossy ? compareSkinned(referenceOf(which, decoded, palette), part, diagonal) : source;
         worst.decoded = larger(worst.decoded, own);
+    }
+    return worst;
+}
+
+// How far `moved` reaches, at most, in each axis.
+static double reach(const PaletteEntry& joint, const glm::dvec3& moved) {
+    glm::dvec3 far;
+    for (int row = 0; row < 3; ++row) far[row] = glm::dot(glm::abs(glm::dvec3(joint.rows[row])), moved);
+    return glm::length(far);
+}
+
+static glm::dvec3 transform(const PaletteEntry& joint, const glm::vec3& position) {
+    const glm::dvec4 p(position, 1);
+    return {glm::dot(glm::dvec4(joint.rows[0]), p), glm::dot(glm::dvec4(joint.rows[1]), p),
+            glm::dot(glm::dvec4(joint.rows[2]), p)};
+}
+
+// One skinned vertex; `more` are joints that decoding may add.
+static double vertexBound(const Mesh& mesh, uint32_t vertex, const Influences& more, const CodecBounds& bounds,
+                          const Palette& palette) {
+    constexpr double kSumRounding = 5e-7;  // of weights in single precision, given and decoded
+    const Influences& own = mesh.influences[vertex];
+    std::array<glm::dvec3, 2 * kMaxInfluences> places;
+    size_t count = 0;
+    double blended = 0, farthest = 0, spread = 0, length = 0;
+    for (const Influences* side : {&own, &more})
+        for (int k = 0; k < kMaxInfluences; ++k) {
+            if (side->weights[k] == 0 || side->joints[k] == kNoJoint) continue;
+            const PaletteEntry& joint = palette[side->joints[k]];
+            const double moved = reach(joint, bounds.position);
+            if (side == &own) blended += side->weights[k] * moved;
+            farthest = std::max(farthest, moved);
+            places[count] = transform(joint, mesh.positions[vertex]);
+            length = std::max(length, glm::length(places[count]));
+            for (size_t i = 0; i < count; ++i) spread = std::max(spread, glm::distance(places[i], places[count]));
+            ++count;
+        }
+    // What some joints lose others gain: half of the sum moves over the distance between two of them at most.
+    return blended + bounds.weights * farthest + bounds.weights / 2 * spread + kSumRounding * length;
+}
+
+std::optional<double> codecPositionBound(const Case& which, const PlanInput& input, const FrameData& frame) {
+    if (!input.encoded->decode) return 0;
+    if (!input.encoded->bounds) return std::nullopt;
+    const CodecBounds& bounds = *input.encoded->bounds;
+    const Mesh& mesh = input.scene->mesh;
+    const std::vector<uint32_t> sources = sourcesOf(input);
+    const Mesh decoded = bounds.addsJoints && which.variant->skins ? input.encoded->decode() : Mesh{};
+    double worst = 0;
+    for (uint32_t copy : {0u, input.copies - 1}) {
+        const Palette palette = paletteOfCopy(frame, input.copies, copy);
+        double most = which.variant->skins ? 0 : glm::length(bounds.position);
+        for (size_t v = 0; which.variant->skins && v < sources.size(); ++v) {
+            const Influences more = decoded.influences.empty() ? Influences{} : decoded.influences[v];
+            most = std::max(most, vertexBound(mesh, sources[v], more, bounds, palette));
+        }
+        worst = std::max(worst, most / std::max<double>(posedBounds(mesh, palette).diagonal(), 1e-30));
     }
     return worst;
 }

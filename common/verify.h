@@ -1,6 +1,7 @@
 // What a plan captured, compared with the reference.
 #pragma once
 
+#include <optional>
 #include <span>
 
 #include "common/skin_cpu.h"
@@ -18,6 +19,13 @@ struct CapturedError {
 // copy is captured in the first half only.
 CapturedError capturedError(const Case& which, const PlanInput& input, const FrameData& frame,
                             std::span<const SkinnedVertex> captured);
+
+// The largest CapturedError::source.position that the codec's bounds (CodecBounds) and the joint transforms of `frame`
+// allow, over the vertices that capturedError compares; 0 for a codec that loses nothing. What the variant's own
+// arithmetic adds comes on top. Empty where the codec promises nothing.
+//
+//   p' - p = sum_j w'_j M_j dp + sum_j dw_j M_j p      w' = w + dw, sum_j dw_j = 0, |dp| and sum_j |dw_j| bounded
+std::optional<double> codecPositionBound(const Case& which, const PlanInput& input, const FrameData& frame);
 
 // What the variant `compute` keeps beside positions and normals: the larger error of the first and the last copy, 0 for
 // what the case does not keep.

@@ -152,6 +152,13 @@ inline std::vector<std::pair<std::string, Mesh>> degenerateMeshes() {
     return meshes;
 }
 
+// As many joints as a scene can have, a tuple each: all that a table of 16-bit tuple numbers holds, but one.
+inline Mesh everyJointMesh() {
+    Mesh mesh = randomMesh(8, kMaxJoints, 40);
+    for (uint32_t v = 0; v < kMaxJoints; ++v) mesh.influences[v] = cleanInfluences({{static_cast<uint16_t>(v), 1.0}});
+    return mesh;
+}
+
 inline std::string folderOf(const char* variable, const char* fallback) {
     const char* value = std::getenv(variable);
     return value != nullptr ? value : std::string(SKINBENCH_SOURCE_DIR) + fallback;

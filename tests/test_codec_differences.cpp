@@ -3,6 +3,7 @@
 
 #include <catch2/catch_test_macros.hpp>
 
+#include "codec_recount.h"
 #include "codec_test.h"
 #include "common/codecs/differences.h"
 
@@ -44,65 +45,6 @@ void checkVertices(const Mesh& mesh, const MeshletMesh& meshlets, const Differen
     CHECK(wrong == 0);
 }
 
-uint32_t bitsOf(uint64_t x) {
-    uint32_t bits = 0;
-    for (; x > 0; x /= 2) ++bits;
-    return bits;
-}
-
-// Section 7 counted once more with maps and sets, from nothing but the codes of the vertices.
-struct Recount {
-    uint64_t vertexBytes = 0;
-    uint64_t vertices = 0;
-    uint64_t copies = 0;
-    std::vector<uint32_t> widths;                                // a meshlet
-    std::map<uint32_t, std::vector<uint32_t>> widthsOfVertex{};  // one a stored copy
-};
-
-Recount recount(const MeshletMesh& meshlets, const std::vector<uint64_t>& codes, uint32_t granularity,
-                bool ignoreBase) {
-    Recount result;
-    std::map<uint32_t, std::set<std::pair<uint64_t, uint32_t>>> classes;
-    for (const Meshlet& meshlet : meshlets.meshlets) {
-        std::set<uint64_t> values;
-        for (uint32_t l = 0; l < meshlet.vertexCount; ++l)
-            values.insert(codes[meshlets.vertices[meshlet.firstVertex + l]]);
-        const uint32_t bits = values.empty() ? 0 : bitsOf(*values.rbegin() - *values.begin());
-        const uint32_t width =
-            granularity * static_cast<uint32_t>(std::ceil(bits / static_cast<double>(granularity))) / 8;
-        result.widths.push_back(width);
-        for (uint32_t l = 0; l < meshlet.vertexCount; ++l) {
-            classes[meshlets.vertices[meshlet.firstVertex + l]].insert({ignoreBase ? 0 : *values.begin(), width});
-        }
-    }
-    for (const auto& [vertex, set] : classes) {
-        result.vertices += set.size();
-        result.copies += set.size() - 1;
-        for (const auto& [base, width] : set) {
-            result.vertexBytes += 14 + width;
-            result.widthsOfVertex[vertex].push_back(width);
-        }
-    }
-    return result;
-}
-
-std::vector<uint64_t> codesOf(const Mesh& mesh, DifferenceCodec codec, size_t& tuples) {
-    const DifferenceTraits& traits = differenceTraits(codec);
-    const TupleTable distinct = distinctTuples(mesh, 4);
-    const MergedTuples merged = mergeTuples(distinct);
-    const TupleTable reused = reuseTuples(distinct);
-    tuples = traits.merged ? merged.table.tuples.size() : reused.tuples.size();
-    std::vector<uint64_t> codes;
-    for (size_t v = 0; v < mesh.influences.size(); ++v) {
-        const auto& w = mesh.influences[v].weights;
-        const std::array<float, 4> ascending{w[3], w[2], w[1], w[0]};
-        const uint32_t payload = traits.merged ? merged.vertexRank[v] * traits.maxTuples + merged.table.vertexTuple[v]
-                                               : reused.vertexTuple[v];
-        codes.push_back(encodePermutation(traits.code, ascending, payload));
-    }
-    return codes;
-}
-
 // Byte offsets beside MeshletMesh::vertices.
 std::vector<uint32_t> offsetsOf(const MeshletMesh& meshlets, const DifferenceMesh& encoded) {
     std::vector<uint32_t> offsets(meshlets.vertices.size());
@@ -116,12 +58,9 @@ std::vector<uint32_t> offsetsOf(const MeshletMesh& meshlets, const DifferenceMes
 }
 
 void checkSizes(const Mesh& mesh, const MeshletMesh& meshlets, const DifferenceMesh& encoded) {
-    size_t tuples = 0;
-    const std::vector<uint64_t> codes = codesOf(mesh, encoded.codec, tuples);
-    const uint32_t granularity = encoded.codec == DifferenceCodec::pdc8    ? 8
-                                 : encoded.codec == DifferenceCodec::pdc32 ? 32
-                                                                           : 16;
-    const Recount expected = recount(meshlets, codes, granularity, encoded.codec == DifferenceCodec::pdc32);
+    const Codes codes = codesOf(mesh, encoded.codec);
+    const Recount expected =
+        recount(meshlets, codes.ofVertex, granularityOf(encoded.codec), encoded.codec == DifferenceCodec::pdc32);
     CHECK(encoded.vertexBytes == expected.vertexBytes);
     CHECK(encoded.vertices.size() == (expected.vertexBytes + 3) / 4 * 4);
     CHECK(encoded.vertexCount == expected.vertices);
@@ -131,13 +70,12 @@ void checkSizes(const Mesh& mesh, const MeshletMesh& meshlets, const DifferenceM
     CHECK(encoded.meshletExtra.size() == meshlets.meshlets.size());
     CHECK(encoded.numbers.size() == meshlets.vertices.size());
     CHECK(encoded.sources.size() == encoded.vertexCount);
-    CHECK(encoded.tuples.size() == 4 * tuples);
+    CHECK(encoded.tuples.size() == 4 * codes.tuples);
     // First use order within a width: an offset that was not seen yet is the end of all vertices of the width before.
     const std::vector<uint32_t> offsets = offsetsOf(meshlets, encoded);
     std::set<uint32_t> seen;
     std::map<uint32_t, uint64_t> sizes;
-    for (const auto& [vertex, widths] : expected.widthsOfVertex)
-        for (const uint32_t width : widths) sizes[width] += 14 + width;
+    for (const uint32_t width : expected.storedWidths) sizes[width] += 14 + width;
     std::map<uint32_t, uint64_t> ends;
     uint64_t end = 0;
     for (const auto& [width, size] : sizes) end = (ends[width] = end) + size;

@@ -1,6 +1,7 @@
 // Builders, the check of what they build, the packed words and the statistics.
 #include <algorithm>
 #include <map>
+#include <numeric>
 
 #include <catch2/catch_test_macros.hpp>
 #include <catch2/matchers/catch_matchers_floating_point.hpp>
@@ -64,7 +65,7 @@ std::vector<std::array<uint32_t, 3>> decode(const PackedMeshlets& packed, const 
                 const uint32_t byte = t * 3 + c;
                 const uint32_t local = packed.data.at(indices + byte / 4) >> byte % 4 * 8 & 0xFF;
                 REQUIRE(local < vertices);
-                corners[c] = packing.orderedRecords ? cut.vertices.at(head(1) + local) : packed.data.at(ids + local);
+                corners[c] = packing.orderedRecords ? head(1) + local : packed.data.at(ids + local);
             }
             triangles.push_back(corners);
         }
@@ -212,10 +213,10 @@ TEST_CASE("redirect packs the words that its layout describes") {
 }
 
 TEST_CASE("redirect packs what a case adds") {
-    const MeshletMesh cut{{}, {{0, 0, 3, 1}, {3, 1, 3, 1}}, {5, 6, 7, 7, 6, 8}, {{0, 1, 2}, {2, 1, 0}}};
+    const MeshletMesh cut{{}, {{0, 0, 3, 1}, {3, 1, 3, 1}}, {5, 6, 7, 20, 21, 22}, {{0, 1, 2}, {2, 1, 0}}};
     const PackedMeshlets ordered =
         findMeshletLayout("redirect")->pack(cut, {.orderedRecords = true, .commonMeshlets = 1, .extraStart = {40, 50}});
-    CHECK(ordered.descriptors == std::vector<uint32_t>{0, 1u << 31 | 1u << 16 | 3, 0, 40, 3, 1u << 16 | 3, 3, 50});
+    CHECK(ordered.descriptors == std::vector<uint32_t>{0, 1u << 31 | 1u << 16 | 3, 5, 40, 3, 1u << 16 | 3, 20, 50});
     CHECK(ordered.data == std::vector<uint32_t>{0x00020100, 0, 0, 0x00000102, 0, 0});
 }
 
@@ -240,7 +241,8 @@ TEST_CASE("packed meshlets decode to the triangles that were packed") {
                 for (const MeshletLayout& layout : meshletLayouts())
                     for (bool ordered : {false, true})
                         for (bool extra : {false, true}) {
-                            const MeshletMesh cut = builder.build(*mesh, limits);
+                            MeshletMesh cut = builder.build(*mesh, limits);
+                            if (ordered) std::iota(cut.vertices.begin(), cut.vertices.end(), 7u);
                             MeshletPacking packing{.orderedRecords = ordered, .commonMeshlets = 1};
                             for (uint32_t m = 0; extra && m < cut.meshlets.size(); ++m)
                                 packing.extraStart.push_back(m * 7);

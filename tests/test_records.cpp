@@ -34,15 +34,6 @@ std::vector<uint32_t> sourceIndices(const Records& records) {
     return indices;
 }
 
-std::vector<uint32_t> meshletIndices(const MeshletMesh& cut) {
-    std::vector<uint32_t> indices;
-    for (const Meshlet& meshlet : cut.meshlets)
-        for (uint32_t t = 0; t < meshlet.triangleCount; ++t)
-            for (uint8_t local : cut.triangles[meshlet.firstTriangle + t])
-                indices.push_back(cut.vertices[meshlet.firstVertex + local]);
-    return indices;
-}
-
 }  // namespace
 
 TEST_CASE("ordered records stand meshlet after meshlet") {
@@ -52,8 +43,8 @@ TEST_CASE("ordered records stand meshlet after meshlet") {
     checkSurface(mesh, records);
     CHECK(records.sources == cut.vertices);
     CHECK(records.sources.size() > mesh.positions.size());
-    CHECK(sourceIndices(records) == meshletIndices(cut));
-    CHECK(meshletIndices(records.meshlets) == records.mesh.indices);
+    CHECK(sourceIndices(records) == triangleList(cut));
+    CHECK(triangleList(records.meshlets) == records.mesh.indices);
     for (size_t i = 0; i < records.meshlets.vertices.size(); ++i) CHECK(records.meshlets.vertices[i] == i);
     for (size_t r = 0; r < records.sources.size(); ++r)
         CHECK(records.mesh.influences[r] == mesh.influences[records.sources[r]]);

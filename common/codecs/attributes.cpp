@@ -4,6 +4,9 @@
 #include <cmath>
 #include <limits>
 #include <numbers>
+#include <utility>
+
+#include "common/codecs/parallel.h"
 
 namespace skinbench {
 namespace {
@@ -24,9 +27,17 @@ Grid makeGrid(std::span<const Vec<N>> values) {
     if (values.empty()) return grid;
     Vec<N> low(kMax);
     Vec<N> high(-kMax);
-    for (const Vec<N>& v : values) {
-        low = glm::min(low, v);
-        high = glm::max(high, v);
+    const auto parts = parallelParts(values.size(), [&](size_t begin, size_t end) {
+        std::pair part(Vec<N>{kMax}, Vec<N>{-kMax});
+        for (const Vec<N>& v : values.subspan(begin, end - begin)) {
+            part.first = glm::min(part.first, v);
+            part.second = glm::max(part.second, v);
+        }
+        return part;
+    });
+    for (const auto& [begin, part] : parts) {
+        low = glm::min(low, part.first);
+        high = glm::max(high, part.second);
     }
     for (int a = 0; a < N; ++a) {
         if (low[a] > high[a]) continue;  // only NaN on this axis

@@ -1,6 +1,7 @@
 // Rows of codecs(): packed vertices as the buffers and defines that shaders_glsl/codecs/ reads.
 #include <algorithm>
 #include <bit>
+#include <cmath>
 #include <format>
 #include <limits>
 #include <span>
@@ -56,6 +57,31 @@ uint32_t tupleCount(const std::vector<uint16_t>& tuples, int influences) {
     return static_cast<uint32_t>(tuples.size() / static_cast<size_t>(influences));
 }
 
+// Half a step of section 1.1, and what single precision adds when it decodes.
+glm::dvec3 positionBound(const PositionGrid& grid) {
+    const glm::dvec3 extent(grid.extent);
+    return extent * (0.5 / quantizerSteps(16)) + (extent + glm::abs(glm::dvec3(grid.min))) * 0x1p-22;
+}
+
+constexpr double kWeightRounding = 1e-6;  // section 10.3
+
+// Section 4.5: the Euclidean bound, and by Cauchy and Schwarz the sum.
+double weightsBound(const PermutationCode& code) {
+    return std::sqrt(code.entries + 1.0) * worstErrorLength(code) + kWeightRounding;
+}
+
+// Section 6, in steps: half of one for w4, at most one for w3 and w2 where the grid ends, their rest for w1.
+double weightsBound(const SimplexCode& code) { return 4 * code.step + kWeightRounding; }
+
+// Each weight is rounded to one of its two neighbours.
+double unorm16Bound(int influences) { return influences / 65535.0 + kWeightRounding; }
+
+// The weights of a pdc32 meshlet are a mean of weights with the same code: each within the bound of what it decodes to.
+double weightsBound(const DifferenceTraits& traits, DifferenceCodec codec) {
+    const double one = weightsBound(traits.code);
+    return codec == DifferenceCodec::pdc32 ? 2 * one + unorm16Bound(4) : one;
+}
+
 // Every vertex through read(v), which cannot fail on what an encoder made.
 template <class Read>
 Mesh readVertices(uint32_t count, const Read& read) {
@@ -78,7 +104,7 @@ Mesh readVertices(uint32_t count, const Read& read) {
 }
 
 template <class Read>
-Result<EncodedMesh> encodePacked(Result<PackedVertices> packed, const Defines& more, const Read& read) {
+Result<EncodedMesh> encodePacked(Result<PackedVertices> packed, const Defines& more, double weights, const Read& read) {
     if (!packed) return std::unexpected(packed.error());
     if (packed->vertices.size() > std::numeric_limits<uint32_t>::max())
         return inputError("packed vertices: one copy exceeds 4 GiB; use fewer vertices");
@@ -90,6 +116,7 @@ Result<EncodedMesh> encodePacked(Result<PackedVertices> packed, const Defines& m
     encoded.defines = packedDefines(packed->grids, packed->vertices.size(), packed->stride, alignment);
     encoded.defines.emplace_back("TUPLE_COUNT", std::to_string(tupleCount(packed->tuples, packed->influences)));
     addDefines(encoded.defines, more);
+    encoded.bounds = {positionBound(packed->grids.position), weights};
     encoded.decode = [kept = std::make_shared<const PackedVertices>(std::move(*packed)), read] {
         return readVertices(kept->vertexCount, [&](uint32_t v) { return read(*kept, v); });
     };
@@ -104,13 +131,13 @@ Result<EncodedMesh> encodeSimplexBits(const char* name, const Mesh& mesh, int in
     if (influences != 4) return onlyFour(name);
     const Result<SimplexCode> code = makeSimplexCode(bits);
     if (!code) return std::unexpected(code.error());
-    return encodePacked(packSimplex(mesh, *code),
-                        {{"OSS_BITS", std::to_string(bits)}, {"OSS_POINTS", std::to_string(code->n)}},
-                        [code = *code](const PackedVertices& p, uint32_t v) { return readSimplex(p, code, v); });
+    return encodePacked(
+        packSimplex(mesh, *code), {{"OSS_BITS", std::to_string(bits)}, {"OSS_POINTS", std::to_string(code->n)}},
+        weightsBound(*code), [code = *code](const PackedVertices& p, uint32_t v) { return readSimplex(p, code, v); });
 }
 
 Result<EncodedMesh> encodePermutationCode(const Mesh& mesh, const PermutationCode& code) {
-    return encodePacked(packPermutation(mesh, code), permutationDefines(code),
+    return encodePacked(packPermutation(mesh, code), permutationDefines(code), weightsBound(code),
                         [code](const PackedVertices& p, uint32_t v) { return readPermutation(p, code, v); });
 }
 
@@ -151,6 +178,8 @@ Result<EncodedMesh> encodeDifferenceCodec(const char* name, const Mesh& mesh, co
     encoded.meshlets->vertices = stored->numbers;
     encoded.defines = differenceDefines(*stored);
     encoded.sources = stored->sources;
+    encoded.bounds = {positionBound(stored->grids.position), weightsBound(differenceTraits(codec), codec),
+                      codec == DifferenceCodec::pdc32};
     // The copy of the meshlets holds vertex numbers, which reading back does not look at.
     encoded.decode = [kept = std::make_shared<const DifferenceMesh>(std::move(*stored)),
                       cut = std::make_shared<const MeshletMesh>(*encoded.meshlets)] {
@@ -165,7 +194,7 @@ Result<EncodedMesh> encodeDifferenceCodec(const char* name, const Mesh& mesh, co
 }  // namespace
 
 Result<EncodedMesh> encodeUc16(const Mesh& mesh, const MeshletMesh*, int influences) {
-    return encodePacked(packUc16(mesh, influences), {}, readUc16);
+    return encodePacked(packUc16(mesh, influences), {}, unorm16Bound(influences), readUc16);
 }
 
 Result<EncodedMesh> encodeOss16(const Mesh& mesh, const MeshletMesh*, int influences) {

@@ -4,7 +4,11 @@
 
 #include <algorithm>
 #include <cstddef>
+#include <map>
+#include <mutex>
 #include <thread>
+#include <type_traits>
+#include <utility>
 #include <vector>
 
 namespace skinbench {
@@ -25,6 +29,19 @@ void parallelRanges(size_t count, const Body& body) {
         workers.emplace_back([&body, count, threads, t] { body(count * t / threads, count * (t + 1) / threads); });
     }
     body(size_t{0}, count / threads);
+}
+
+// What body(begin, end) returns for each range, by the range's begin. The same count has the same ranges again.
+template <class Body>
+auto parallelParts(size_t count, const Body& body) {
+    std::map<size_t, std::invoke_result_t<Body, size_t, size_t>> parts;
+    std::mutex lock;
+    parallelRanges(count, [&](size_t begin, size_t end) {
+        auto part = body(begin, end);
+        const std::scoped_lock held(lock);
+        parts.emplace(begin, std::move(part));
+    });
+    return parts;
 }
 
 }  // namespace skinbench

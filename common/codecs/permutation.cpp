@@ -127,6 +127,86 @@ uint64_t truncateTo(float x, uint64_t most) {
     return std::min(static_cast<uint64_t>(x), most);
 }
 
+// Whether the code and all that it is made of stay below 2^32, where a division takes a fraction of the time.
+bool isNarrow(const PermutationCode& code) {
+    return code.bits <= 32 && code.quotients * factorial(code.entries) <= largestCode(32) &&
+           (uint64_t{code.values} + 1) * code.extra[code.entries - 1] <= largestCode(32);
+}
+
+template <class Word>
+uint64_t encodeWith(const PermutationCode& code, std::span<const float> ascending, uint32_t tuple) {
+    const int n = code.entries;
+    std::array<Word, kMaxEntries> quotient{};
+    Word payload = tuple;
+    float pre = 0;
+    for (int i = 0; i < n; ++i) {
+        const Word extra = code.extra[i];
+        // Strict: every operation below is rounded to float on its own.
+        const float product = static_cast<float>(n + 1 - i) * ascending[i];
+        const float c = product + pre;
+        pre = pre + ascending[i];
+        const float scaled = static_cast<float>(code.levels(i)) * c;
+        const float shifted = scaled + (static_cast<float>(code.offset(i)) + 0.5f);
+        Word m = static_cast<Word>(truncateTo(shifted, code.levels(i) + code.offset(i)));
+        if (i > 0) m = std::max(m, (quotient[i - 1] + 1) * extra);  // equal weights on a half step: section 4.6
+        m = std::max(m, static_cast<Word>(code.offset(i)));         // below only for weights out of range
+        quotient[i] = m / extra;
+        payload = payload * extra + m % extra;
+    }
+
+    const uint32_t orders = factorial(n);
+    const auto place = permutationOfRank(static_cast<uint32_t>(payload % orders), n);
+    std::array<Word, kMaxEntries> stored{};
+    for (int i = 0; i < n; ++i) stored[place[i]] = quotient[i];
+    Word value = payload / orders;
+    for (int p = 0; p < n; ++p) value = value * Word{code.values} + stored[p];
+    return value;
+}
+
+template <class Word>
+Result<PermutationBlend> decodeWith(const PermutationCode& code, uint64_t value) {
+    const int n = code.entries;
+    const auto fault = [value](const char* what) {
+        return inputError(std::format("permutation code {:#x}: {}; encode the mesh again", value, what));
+    };
+    std::array<uint32_t, kMaxEntries> stored{};
+    Word rest = static_cast<Word>(value);
+    for (int p = n - 1; p >= 0; --p) {
+        stored[p] = static_cast<uint32_t>(rest % Word{code.values});
+        rest /= code.values;
+    }
+    if (rest >= code.quotients) return fault("the quotient is out of range");
+
+    std::array<uint8_t, kMaxEntries> order{};
+    for (int i = 0; i < n; ++i) order[i] = static_cast<uint8_t>(i);
+    std::sort(order.begin(), order.begin() + n, [&](uint8_t a, uint8_t b) { return stored[a] < stored[b]; });
+    for (int i = 1; i < n; ++i) {
+        if (stored[order[i]] == stored[order[i - 1]]) return fault("two entries are equal");
+    }
+
+    Word payload = rest * factorial(n) + permutationRank({order.data(), static_cast<size_t>(n)});
+    std::array<Word, kMaxEntries> remainder{};
+    for (int i = n - 1; i >= 0; --i) {
+        remainder[i] = payload % code.extra[i];
+        payload /= code.extra[i];
+    }
+    if (payload >= kPayloads) return fault("the tuple is out of range");
+    PermutationBlend blend;
+    blend.tuple = static_cast<uint32_t>(payload);
+    float pre = 0;
+    for (int i = 0; i < n; ++i) {
+        const uint64_t raised = stored[order[i]] * uint64_t{code.extra[i]} + remainder[i];
+        if (raised < code.offset(i) || raised - code.offset(i) > code.levels(i))
+            return fault("a level is out of range");
+        const float c = static_cast<float>(raised - code.offset(i)) / static_cast<float>(code.levels(i));
+        const float count = static_cast<float>(n + 1 - i);
+        blend.weights[i] = c / count - pre;
+        pre = pre + c / (count * static_cast<float>(n - i));
+    }
+    blend.weights[n] = 1.0f - pre;
+    return blend;
+}
+
 }  // namespace
 
 Result<PermutationCode> makePermutationCode(std::span<const uint32_t> extra, uint32_t values, uint64_t tuples,
@@ -168,77 +248,17 @@ Result<PermutationCode> configurePermutation(int influences, uint64_t tuples, in
 }
 
 uint64_t encodePermutation(const PermutationCode& code, std::span<const float> ascending, uint32_t tuple) {
-    const int n = code.entries;
-    SKINBENCH_ASSERT(n >= 1 && n <= kMaxEntries && ascending.size() >= static_cast<size_t>(n));
-    std::array<uint64_t, kMaxEntries> quotient{};
-    uint64_t payload = tuple;
-    float pre = 0;
-    for (int i = 0; i < n; ++i) {
-        const uint64_t extra = code.extra[i];
-        // Strict: every operation below is rounded to float on its own.
-        const float product = static_cast<float>(n + 1 - i) * ascending[i];
-        const float c = product + pre;
-        pre = pre + ascending[i];
-        const float scaled = static_cast<float>(code.levels(i)) * c;
-        const float shifted = scaled + (static_cast<float>(code.offset(i)) + 0.5f);
-        uint64_t m = truncateTo(shifted, code.levels(i) + code.offset(i));
-        if (i > 0) m = std::max(m, (quotient[i - 1] + 1) * extra);  // equal weights on a half step: section 4.6
-        m = std::max(m, code.offset(i));                            // below only for weights out of range
-        quotient[i] = m / extra;
-        payload = payload * extra + m % extra;
-    }
-
-    const uint32_t orders = factorial(n);
-    const auto place = permutationOfRank(static_cast<uint32_t>(payload % orders), n);
-    std::array<uint64_t, kMaxEntries> stored{};
-    for (int i = 0; i < n; ++i) stored[place[i]] = quotient[i];
-    uint64_t value = payload / orders;
-    for (int p = 0; p < n; ++p) value = value * code.values + stored[p];
-    return value;
+    SKINBENCH_ASSERT(code.entries >= 1 && code.entries <= kMaxEntries &&
+                     ascending.size() >= static_cast<size_t>(code.entries));
+    return isNarrow(code) && tuple < code.tuples ? encodeWith<uint32_t>(code, ascending, tuple)
+                                                 : encodeWith<uint64_t>(code, ascending, tuple);
 }
 
 Result<PermutationBlend> decodePermutation(const PermutationCode& code, uint64_t value) {
-    const int n = code.entries;
-    SKINBENCH_ASSERT(n >= 1 && n <= kMaxEntries && code.values > static_cast<uint32_t>(n));
-    const auto fault = [value](const char* what) {
-        return inputError(std::format("permutation code {:#x}: {}; encode the mesh again", value, what));
-    };
-    std::array<uint32_t, kMaxEntries> stored{};
-    uint64_t rest = value;
-    for (int p = n - 1; p >= 0; --p) {
-        stored[p] = static_cast<uint32_t>(rest % code.values);
-        rest /= code.values;
-    }
-    if (rest >= code.quotients) return fault("the quotient is out of range");
-
-    std::array<uint8_t, kMaxEntries> order{};
-    for (int i = 0; i < n; ++i) order[i] = static_cast<uint8_t>(i);
-    std::sort(order.begin(), order.begin() + n, [&](uint8_t a, uint8_t b) { return stored[a] < stored[b]; });
-    for (int i = 1; i < n; ++i) {
-        if (stored[order[i]] == stored[order[i - 1]]) return fault("two entries are equal");
-    }
-
-    uint64_t payload = rest * factorial(n) + permutationRank({order.data(), static_cast<size_t>(n)});
-    std::array<uint64_t, kMaxEntries> remainder{};
-    for (int i = n - 1; i >= 0; --i) {
-        remainder[i] = payload % code.extra[i];
-        payload /= code.extra[i];
-    }
-    if (payload >= kPayloads) return fault("the tuple is out of range");
-    PermutationBlend blend;
-    blend.tuple = static_cast<uint32_t>(payload);
-    float pre = 0;
-    for (int i = 0; i < n; ++i) {
-        const uint64_t raised = stored[order[i]] * uint64_t{code.extra[i]} + remainder[i];
-        if (raised < code.offset(i) || raised - code.offset(i) > code.levels(i))
-            return fault("a level is out of range");
-        const float c = static_cast<float>(raised - code.offset(i)) / static_cast<float>(code.levels(i));
-        const float count = static_cast<float>(n + 1 - i);
-        blend.weights[i] = c / count - pre;
-        pre = pre + c / (count * static_cast<float>(n - i));
-    }
-    blend.weights[n] = 1.0f - pre;
-    return blend;
+    SKINBENCH_ASSERT(code.entries >= 1 && code.entries <= kMaxEntries &&
+                     code.values > static_cast<uint32_t>(code.entries));
+    return isNarrow(code) && value <= largestCode(32) ? decodeWith<uint32_t>(code, value)
+                                                      : decodeWith<uint64_t>(code, value);
 }
 
 double worstErrorLength(const PermutationCode& code) {

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <cstring>
 #include <format>
+#include <map>
 #include <set>
 #include <utility>
 
@@ -223,13 +224,16 @@ std::string influenceFault(const Influences& list, int influences) {
 
 Result<void> checkInfluences(const Mesh& mesh, int influences) {
     SKINBENCH_ASSERT(influences >= 1 && influences <= kMaxInfluences);
-    for (size_t v = 0; v < mesh.influences.size(); ++v) {
-        const std::string fault = influenceFault(mesh.influences[v], influences);
-        if (!fault.empty()) {
-            return inputError(
-                std::format("vertex {}: {}; clean the weights with {} influences first", v, fault, influences));
+    const auto faults = parallelParts(mesh.influences.size(), [&](size_t begin, size_t end) -> std::string {
+        for (size_t v = begin; v < end; ++v) {
+            const std::string fault = influenceFault(mesh.influences[v], influences);
+            if (!fault.empty())
+                return std::format("vertex {}: {}; clean the weights with {} influences first", v, fault, influences);
         }
-    }
+        return "";
+    });
+    for (const auto& [begin, fault] : faults)
+        if (!fault.empty()) return inputError(fault);
     return {};
 }
 
@@ -238,11 +242,22 @@ TupleTable distinctTuples(const Mesh& mesh, int influences) {
     TupleTable table;
     table.influences = influences;
     table.vertexTuple.resize(mesh.influences.size());
-    TupleSet set;
-    for (size_t v = 0; v < mesh.influences.size(); ++v) table.vertexTuple[v] = set.insert(mesh.influences[v].joints);
-    table.tuples = set.take();
+    auto parts = parallelParts(mesh.influences.size(), [&](size_t begin, size_t end) {
+        TupleSet set;
+        for (size_t v = begin; v < end; ++v) table.vertexTuple[v] = set.insert(mesh.influences[v].joints);
+        return set.take();
+    });
+    TupleSet all;
+    std::map<size_t, std::vector<uint32_t>> numbers;  // of a range's tuples
+    for (const auto& [begin, tuples] : parts)
+        for (const JointTuple& tuple : tuples) numbers[begin].push_back(all.insert(tuple));
+    table.tuples = all.take();
     const std::vector<uint32_t> place = sortDescending(table.tuples);
-    for (uint32_t& t : table.vertexTuple) t = place[t];
+    parallelRanges(mesh.influences.size(), [&](size_t begin, size_t end) {
+        if (begin == end) return;
+        const std::vector<uint32_t>& ofRange = numbers.at(begin);
+        for (size_t v = begin; v < end; ++v) table.vertexTuple[v] = place[ofRange[table.vertexTuple[v]]];
+    });
     return table;
 }
 

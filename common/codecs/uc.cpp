@@ -1,6 +1,7 @@
-#include "common/codec.h"
-
 #include <cstring>
+
+#include "common/codec.h"
+#include "common/codecs/parallel.h"
 
 namespace skinbench {
 
@@ -8,19 +9,21 @@ Result<EncodedMesh> encodeUncompressed(const Mesh& mesh, const MeshletMesh*, int
     SKINBENCH_ASSERT(influences == 4 || influences == 8);
     const size_t words = influences == 4 ? 16 : 24;
     std::vector<uint32_t> out(mesh.positions.size() * words, 0);
-    for (size_t v = 0; v < mesh.positions.size(); ++v) {
-        uint32_t* word = &out[v * words];
-        std::memcpy(word, &mesh.positions[v], 12);
-        std::memcpy(word + 3, &mesh.normals[v], 12);
-        std::memcpy(word + 6, &mesh.uvs[v], 8);
-        for (int i = 0; i < influences; ++i) {
-            const Influences& from = mesh.influences[v];
-            if (from.joints[i] == kNoJoint || from.weights[i] == 0) continue;
-            uint32_t* four = word + 8 + i / 4 * 8;
-            four[i % 4] = from.joints[i];
-            std::memcpy(four + 4 + i % 4, &from.weights[i], 4);
+    parallelRanges(mesh.positions.size(), [&](size_t begin, size_t end) {
+        for (size_t v = begin; v < end; ++v) {
+            uint32_t* word = &out[v * words];
+            std::memcpy(word, &mesh.positions[v], 12);
+            std::memcpy(word + 3, &mesh.normals[v], 12);
+            std::memcpy(word + 6, &mesh.uvs[v], 8);
+            for (int i = 0; i < influences; ++i) {
+                const Influences& from = mesh.influences[v];
+                if (from.joints[i] == kNoJoint || from.weights[i] == 0) continue;
+                uint32_t* four = word + 8 + i / 4 * 8;
+                four[i % 4] = from.joints[i];
+                std::memcpy(four + 4 + i % 4, &from.weights[i], 4);
+            }
         }
-    }
+    });
     EncodedMesh encoded;
     encoded.vertexCount = static_cast<uint32_t>(mesh.positions.size());
     encoded.vertices = toBytes(out);
