@@ -67,6 +67,9 @@ struct Selectors {
     std::string pose = "animated";
     uint32_t copies = 0, frames = 0, warmup = 0, rounds = 0;  // 0: chosen from the devices
     bool warmupGiven = false;
+    double precision = -1;  // percent; below 0: chosen from the devices, or 0 where frames or rounds are given
+    double timeLimit = -1;  // seconds; below 0: chosen from the devices
+    bool selfTest = false;
     std::string size = "1920x1080";
     std::string preset;
     uint32_t seed = 1;
@@ -91,6 +94,21 @@ Result<std::pair<uint32_t, uint32_t>> parseSize(const std::string& text);
 
 // Loads the scene and the shaders, prints the scene's warnings to standard error.
 Result<Workload> openWorkload(const std::string& scene, const WorkloadSettings& settings);
+
+// --- running cases (running.cpp) -------------------------------------------------------------------------------
+
+// The first Ctrl-C ends the run after the current case, the second one at once.
+void catchInterrupts();
+bool interrupted();
+
+// Progress on a terminal, and the end at an interrupt; the checkpoint is left empty.
+BenchEvents consoleEvents();
+
+// Everything but `bench` and `calibrations`. `scene` is the workload's, prepared.
+RunContext runContext(const Devices& devices, const Workload& workload, const Scene& scene);
+
+// The exit status; one line on standard error for what went wrong, the table has the rest.
+int statusOf(const std::vector<CaseResult>& results);
 
 // --- subcommands: options in, exit status out ------------------------------------------------------------------
 
@@ -129,8 +147,25 @@ struct PartitionOptions {
 };
 int runPartition(const PartitionOptions& options);
 
+// The tables and figures of one of theses() (common/reproduce.h).
+struct ReproduceOptions {
+    std::string thesis;
+    std::vector<std::string> scenes;  // empty: the built-in ones
+    Selectors selectors;              // routes, copies, frames, rounds, size, device
+    bool json = false;
+    std::string out = "reproduce";  // folder of reproduce.md, reproduce.html and reproduce.json
+};
+int runReproduce(const ReproduceOptions& options);
+
 int runSceneList(bool json);
 int runSceneExport(const std::string& name, const std::string& out);
+
+struct CompareOptions {
+    std::string a, b;
+    std::optional<double> failAbove;  // percent
+    bool json = false;
+};
+int runCompare(const CompareOptions& options);
 
 int runReport(const std::vector<std::string>& files, const std::string& out);
 

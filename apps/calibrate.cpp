@@ -19,7 +19,6 @@ std::vector<MeshShape> shapesFor(const Case& which) {
     // Shapes that the case cannot have on any device; what its device lacks is skipped when it is tried.
     std::erase_if(shapes, [&](const MeshShape& shape) {
         return (shape.joints == JointSource::staged && (sharesJointLists(which) || !feedsAttributes(*which.codec))) ||
-               (shape.orderedRecords && which.codec->needsMeshlets) ||
                (shape.uniformPalette && which.submission == Submission::batched);
     });
     return shapes;
@@ -37,6 +36,9 @@ Result<std::vector<Calibration>> calibrateShapes(Workload& workload, std::vector
     BenchSettings brief = settings;
     brief.frames = 6;
     brief.rounds = 1;
+    brief.precision = 0;
+    brief.limits = false;
+    brief.selfTest = false;
     std::vector<Calibration> calibrations;
     std::map<std::string, MeshShape> chosen;
     std::set<std::string> said;

@@ -80,7 +80,7 @@ void printCodecs(const Inspection& inspection) {
     std::cout << "\nbytes of one copy; blend: bytes a vertex for joints and weights, with copied vertices\n"
                  "geometry builder codec      vertices  vertex buf  index buf";
     for (const MeshletLayout& layout : meshletLayouts()) std::cout << std::format(" {:>10}", layout.name);
-    std::cout << "  extra buf  tuple buf  blend  mean weight error  largest\n";
+    std::cout << "  extra buf  tuple buf  blend  mean weight error  largest  encode ms\n";
     for (const CodecRow& row : inspection.codecs) {
         std::cout << std::format("{:<8} {:<7} {:<10}", geometryName(row.geometry), row.builder->name, row.codec->name);
         if (!row.reason.empty()) {
@@ -92,9 +92,12 @@ void printCodecs(const Inspection& inspection) {
         for (const MeshletLayout& layout : meshletLayouts())
             std::cout << std::format(" {:>10}", row.descriptorBytes.at(layout.name) + row.dataBytes.at(layout.name));
         std::cout << std::format(" {:>10} {:>10}", bytes(row.meshletExtraBytes), bytes(row.tupleBytes));
-        std::cout << std::format(" {:>6.2f} {:>18.3e} {:>8.1e}\n", row.blendBytesPerVertex, row.errors.weight.mean,
-                                 row.errors.weight.max);
+        std::cout << std::format(" {:>6.2f} {:>18.3e} {:>8.1e} {:>10.1f}\n", row.blendBytesPerVertex,
+                                 row.errors.weight.mean, row.errors.weight.max, row.encodeMs);
     }
+    for (const EncodeTotal& total : encodeTotals(inspection.codecs))
+        std::cout << std::format("{:<8} {:<7} encode all: {} codecs in {:.1f} ms\n", geometryName(total.geometry),
+                                 total.builder->name, total.codecs, total.encodeMs);
 }
 
 }  // namespace

@@ -7,9 +7,9 @@ namespace skinbench {
 namespace {
 
 Result<View> parseView(const std::string& word) {
-    for (View view : {View::shaded, View::meshlets, View::weights, View::tuples, View::velocity})
+    for (View view : {View::shaded, View::meshlets, View::weights, View::tuples, View::velocity, View::resolution})
         if (word == viewName(view)) return view;
-    return inputError("no view '" + word + "'; there is shaded, meshlets, weights, tuples, velocity");
+    return inputError("no view '" + word + "'; there is shaded, meshlets, weights, tuples, velocity, resolution");
 }
 
 // What a view needs of a case beyond what the route needs.
@@ -20,8 +20,8 @@ Result<void> checkView(const Case& which) {
         return inputError("view velocity needs --variant compute --compute previous");
     if (which.view == View::velocity) return {};
     if (which.view != View::shaded && !which.builder && !which.variant->fetches)
-        return inputError(std::string("view ") + viewName(which.view) + " needs a variant that reads the weights " +
-                          "where it draws: vertex or mesh");
+        return inputError(std::string("view ") + viewName(which.view) +
+                          " needs a variant that reads the codec's vertices " + "where it draws: vertex or mesh");
     return {};
 }
 
@@ -46,7 +46,9 @@ Result<Image> render(RenderOptions options) {
     options.selectors.routes = {options.route};
     options.selectors.variants = {options.variant};
     options.selectors.codecs = {options.codec};
-    if (options.selectors.fetches.empty()) options.selectors.fetches = {"attributes"};
+    const Codec* codec = findCodec(options.codec);
+    if (options.selectors.fetches.empty())
+        options.selectors.fetches = {codec && !feedsAttributes(*codec) ? "pull" : "attributes"};
     auto cases = crossCases(options.selectors);
     if (!cases) return std::unexpected(cases.error());
     Case which = cases->front();

@@ -79,6 +79,19 @@ Result<std::vector<ComputeOptions>> parseComputes(const std::vector<std::string>
     return all;
 }
 
+// Rows of codecs(), or any other that findCodec knows.
+Result<std::vector<const Codec*>> parseCodecs(const std::vector<std::string>& words) {
+    std::vector<const Codec*> chosen;
+    for (const std::string& word : words) {
+        const Codec* const codec = findCodec(word);
+        if (!codec)
+            return inputError(
+                std::format("no codec '{}'; there is {}, and pc16, pc24 to pc64", word, selectorWords("codecs")));
+        if (std::ranges::find(chosen, codec) == chosen.end()) chosen.push_back(codec);
+    }
+    return chosen;
+}
+
 bool onMeshRoute(const Case& which) { return which.route->dialect != MeshDialect::none; }
 bool onNvRoute(const Case& which) { return which.route->dialect == MeshDialect::nv; }
 bool draws(const Case& which) { return which.route->api != Api::cpu; }
@@ -212,8 +225,9 @@ Result<std::vector<Case>> crossCases(const Selectors& s) {
     all.byRows<Route>(routes(), s.routes, "route", everyRow, [](Case& c, const Route& row) { c.route = &row; });
     if (all.error) return std::unexpected(*all.error);
     std::erase_if(all.cases, [](const Case& c) { return !runsOn(*c.variant, *c.route); });
-    all.byRows<Codec>(codecs(), orDefault(s.codecs, "uc"), "codec", everyRow,
-                      [](Case& c, const Codec& row) { c.codec = &row; });
+    auto chosen = parseCodecs(orDefault(s.codecs, "uc"));
+    if (!chosen) return std::unexpected(chosen.error());
+    all.by<const Codec*>(*chosen, everyRow, [](Case& c, const Codec* const& row) { c.codec = row; });
     if (all.error) return std::unexpected(*all.error);
     // The CPU skins the vertices themselves.
     std::erase_if(all.cases, [](const Case& c) { return c.variant->onCpuRoute && !feedsAttributes(*c.codec); });

@@ -11,19 +11,21 @@ struct Preset {
     const char* name;
     const char* what;
     uint32_t copies, frames, warmup, rounds;
+    double timeLimit;  // seconds
     std::vector<const char*> rasters;
 };
 
 const std::vector<Preset>& presets() {
     static const std::vector<Preset> rows = {
-        {"quick", "4 copies, 6 frames: does it work", 4, 6, 1, 2, {"full"}},
-        {"gpu", "100 copies, 60 frames", 100, 60, 5, 3, {"full"}},
+        {"quick", "4 copies, 6 frames: does it work", 4, 6, 1, 2, 5, {"full"}},
+        {"gpu", "100 copies, 30 frames or more", 100, 30, 5, 3, 120, {"full"}},
         {"geometry",
-         "200 copies, 60 frames, no fragments and rasteriser discard: what skinning costs",
+         "200 copies, 30 frames or more, no fragments and rasteriser discard: what skinning costs",
          200,
-         60,
+         30,
          5,
          3,
+         120,
          {"no-fragments", "discard"}},
     };
     return rows;
@@ -98,6 +100,11 @@ BenchSettings benchSettings(const Selectors& s, bool anyHardware) {
     settings.frames = s.frames ? s.frames : preset.frames;
     settings.warmup = s.warmupGiven ? s.warmup : preset.warmup;
     settings.rounds = std::min(s.rounds ? s.rounds : preset.rounds, settings.frames);
+    const bool fixed = s.frames || s.rounds;
+    settings.precision = (s.precision >= 0 ? s.precision : fixed ? 0 : 1) / 100;
+    settings.timeLimit = s.timeLimit >= 0 ? s.timeLimit : preset.timeLimit;
+    settings.limits = true;
+    settings.selfTest = s.selfTest;
     settings.seed = s.seed;
     settings.tolerance = s.tolerance;
     return settings;

@@ -4,6 +4,7 @@
 #include <utility>
 
 #include "backend_gl/context.h"
+#include "backend_gl/counters.h"
 #include "backend_gl/driver_faults.h"
 #include "backend_gl/plan.h"
 
@@ -33,7 +34,7 @@ public:
 
     const DeviceCaps& caps() const override { return context_->caps; }
     Result<PlanId> prepare(const FramePlan& plan) override;
-    Result<std::vector<Timing>> run(PlanId id, std::span<const FrameInput> frames) override;
+    Result<std::vector<Timing>> run(PlanId id, std::span<const FrameInput> frames, RunMode mode) override;
     Result<Image> readImage(PlanId id) override;
     Result<std::vector<std::byte>> readStream(PlanId id, uint32_t slot) override;
     void release(PlanId id) override;
@@ -52,10 +53,14 @@ private:
     void bindFrame(const GlPlan& plan, size_t frame);
     double uploadSkinned(const GlStream& stream, const FrameInput& input);
     void recordFrame(const GlPlan& plan, size_t frame);
+    void recordOverlapped(const GlPlan& plan, size_t frame);
+    Result<void> countFrames(const GlPlan& plan, std::vector<Timing>& timings);
     void drawMesh(const GlPlan& plan, const LinkedProgram& program, uint32_t groups);
     void issueDraws(const GlPlan& plan, const Pass& pass, size_t frame);
+    void beginPass(const GlPlan& plan, const Pass& pass, bool clear);
     void recordPass(const GlPlan& plan, const Pass& pass, size_t frame, const GLuint* queries);
-    void readPasses(const GlPlan& plan, std::vector<Timing>& timings);
+    void needQueries(size_t count);
+    void readTimes(size_t pairs, std::vector<Timing>& timings);
 
     std::unique_ptr<Context> context_;  // first, so that it goes last
     Staging staging_;
@@ -269,22 +274,26 @@ void GlBackend::issueDraws(const GlPlan& plan, const Pass& pass, size_t frame) {
     }
 }
 
+void GlBackend::beginPass(const GlPlan& plan, const Pass& pass, bool clear) {
+    const GlProgram& program = plan.programs[pass.program];
+    if (pass.kind != PassKind::dispatch) {
+        GLuint framebuffer = targets_.at({plan.width, plan.height}).framebuffer.id();
+        glBindFramebuffer(GL_FRAMEBUFFER, framebuffer);
+        glViewport(0, 0, static_cast<GLsizei>(plan.width), static_cast<GLsizei>(plan.height));
+        if (clear) clearTargets(framebuffer);
+        applyRaster(pass);
+        glBindVertexArray(program.vertexArray.id());
+    }
+    glUseProgram(program.linked.id);
+}
+
 // OpenGL has no execution barrier. What stands for it: a timestamp is taken "after all previous commands … have been
 // fully realized" (OpenGL 4.6, 4.3), and glMemoryBarrier makes later commands wait for shader writes, which drivers
 // do by draining the pipeline. So the first timestamp follows the clear and the pass before, and the second one the
 // last pixel. What remains is that the head of a pass may overlap the tail of a pass whose results it does not use:
 // then its interval starts late, at the end of that tail.
 void GlBackend::recordPass(const GlPlan& plan, const Pass& pass, size_t frame, const GLuint* queries) {
-    const GlProgram& program = plan.programs[pass.program];
-    if (pass.kind != PassKind::dispatch) {
-        GLuint framebuffer = targets_.at({plan.width, plan.height}).framebuffer.id();
-        glBindFramebuffer(GL_FRAMEBUFFER, framebuffer);
-        glViewport(0, 0, static_cast<GLsizei>(plan.width), static_cast<GLsizei>(plan.height));
-        if (pass.clear) clearTargets(framebuffer);
-        applyRaster(pass);
-        glBindVertexArray(program.vertexArray.id());
-    }
-    glUseProgram(program.linked.id);
+    beginPass(plan, pass, pass.clear);
     glMemoryBarrier(GL_ALL_BARRIER_BITS);
     if (queries) glQueryCounter(queries[0], GL_TIMESTAMP);
     issueDraws(plan, pass, frame);
@@ -300,13 +309,56 @@ void GlBackend::recordFrame(const GlPlan& plan, size_t frame) {
     }
 }
 
-void GlBackend::readPasses(const GlPlan& plan, std::vector<Timing>& timings) {
+void GlBackend::recordOverlapped(const GlPlan& plan, size_t frame) {
+    bindFrame(plan, frame);
+    const GLuint* queries = queries_.empty() ? nullptr : &queries_[frame * 2];
+    for (const Pass& pass : plan.passes)
+        if (pass.kind != PassKind::dispatch && pass.clear) {
+            beginPass(plan, pass, true);
+            break;
+        }
+    glMemoryBarrier(GL_ALL_BARRIER_BITS);
+    if (queries) glQueryCounter(queries[0], GL_TIMESTAMP);
+    for (size_t i = 0; i < plan.passes.size(); ++i) {
+        if (i > 0) glMemoryBarrier(GL_VERTEX_ATTRIB_ARRAY_BARRIER_BIT | GL_SHADER_STORAGE_BARRIER_BIT);
+        beginPass(plan, plan.passes[i], false);
+        issueDraws(plan, plan.passes[i], frame);
+    }
+    if (queries) glQueryCounter(queries[1], GL_TIMESTAMP);
+    glMemoryBarrier(GL_ALL_BARRIER_BITS);
+}
+
+Result<void> GlBackend::countFrames(const GlPlan& plan, std::vector<Timing>& timings) {
+    const GlCounterQueries queries;
+    for (size_t frame = 0; frame < timings.size(); ++frame) {
+        bindFrame(plan, frame);
+        for (const Pass& pass : plan.passes)
+            if (pass.kind != PassKind::dispatch && pass.clear) beginPass(plan, pass, true);
+        queries.begin();
+        for (const Pass& pass : plan.passes) {
+            beginPass(plan, pass, false);
+            glMemoryBarrier(GL_ALL_BARRIER_BITS);
+            issueDraws(plan, pass, frame);
+        }
+        timings[frame].counters = queries.end(plan);
+    }
+    return checkGl(plan.label, plan.bytes);
+}
+
+void GlBackend::needQueries(size_t count) {
+    const size_t have = queries_.size();
+    if (have >= count) return;
+    queries_.resize(count);
+    glCreateQueries(GL_TIMESTAMP, static_cast<GLsizei>(count - have), &queries_[have]);
+}
+
+void GlBackend::readTimes(size_t pairs, std::vector<Timing>& timings) {
     uint32_t bits = caps().timestampBits;
     uint64_t mask = bits >= 64 ? UINT64_MAX : (uint64_t{1} << bits) - 1;
     for (size_t frame = 0; frame < timings.size(); ++frame) {
-        timings[frame].passes.assign(plan.passes.size(), 0.0);
-        for (size_t i = 0; i < plan.passes.size() && bits > 0; ++i) {
-            const GLuint* queries = &queries_[(frame * plan.passes.size() + i) * 2];
+        timings[frame].passes.assign(pairs, 0.0);
+        for (size_t i = 0; i < pairs && bits > 0; ++i) {
+            const GLuint* queries = &queries_[(frame * pairs + i) * 2];
             GLuint64 begin = 0, end = 0;
             glGetQueryObjectui64v(queries[0], GL_QUERY_RESULT, &begin);
             glGetQueryObjectui64v(queries[1], GL_QUERY_RESULT, &end);
@@ -329,7 +381,7 @@ Result<void> checkFrames(const GlPlan& plan, std::span<const FrameInput> frames)
     return {};
 }
 
-Result<std::vector<Timing>> GlBackend::run(PlanId id, std::span<const FrameInput> frames) {
+Result<std::vector<Timing>> GlBackend::run(PlanId id, std::span<const FrameInput> frames, RunMode mode) {
     if (auto entered = enter(); !entered) return std::unexpected(entered.error());
     auto found = findPlan(id);
     if (!found) return std::unexpected(found.error());
@@ -338,22 +390,27 @@ Result<std::vector<Timing>> GlBackend::run(PlanId id, std::span<const FrameInput
     if (frames.empty()) return std::vector<Timing>{};
     if (auto uploaded = uploadFrames(plan, frames); !uploaded) return std::unexpected(uploaded.error());
 
-    size_t wanted = caps().timestampBits ? frames.size() * plan.passes.size() * 2 : 0;
-    if (size_t have = queries_.size(); have < wanted) {
-        queries_.resize(wanted);
-        glCreateQueries(GL_TIMESTAMP, static_cast<GLsizei>(wanted - have), &queries_[have]);
-    }
     GlTargets* targets = plan.draws ? &targets_.at({plan.width, plan.height}) : nullptr;
     if (targets) targets->renderedBy = 0;
     bindStreams(plan);
-
     std::vector<Timing> timings(frames.size());
     const GlStream* written = plan.hostWritten();
+    if (mode == RunMode::counted) {
+        if (written) uploadSkinned(*written, frames.back());
+        if (caps().pipelineStatistics)
+            if (auto counted = countFrames(plan, timings); !counted) return std::unexpected(counted.error());
+        return timings;
+    }
+    const size_t pairs = mode == RunMode::overlap ? 1 : plan.passes.size();
+    needQueries(caps().timestampBits ? frames.size() * pairs * 2 : 0);
     Clock::duration record{};
     for (size_t i = 0; i < frames.size(); ++i) {
         if (written) timings[i].upload = uploadSkinned(*written, frames[i]);
         auto start = Clock::now();
-        recordFrame(plan, i);
+        if (mode == RunMode::overlap)
+            recordOverlapped(plan, i);
+        else
+            recordFrame(plan, i);
         record += Clock::now() - start;
     }
     auto start = Clock::now();
@@ -362,7 +419,7 @@ Result<std::vector<Timing>> GlBackend::run(PlanId id, std::span<const FrameInput
     if (auto waited = waitForDevice(frames.size()); !waited) return std::unexpected(waited.error());
     if (auto checked = checkGl(plan.label, plan.bytes); !checked) return std::unexpected(checked.error());
 
-    readPasses(plan, timings);
+    readTimes(pairs, timings);
     for (Timing& timing : timings) {
         timing.record = milliseconds(record) / static_cast<double>(frames.size());
         timing.submit = milliseconds(submit) / static_cast<double>(frames.size());

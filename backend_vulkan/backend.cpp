@@ -5,7 +5,7 @@
 #include <map>
 #include <utility>
 
-#include "backend_vulkan/plan.h"
+#include "backend_vulkan/counters.h"
 
 namespace skinbench {
 
@@ -23,7 +23,7 @@ public:
 
     const DeviceCaps& caps() const override { return device_->caps; }
     Result<PlanId> prepare(const FramePlan& plan) override;
-    Result<std::vector<Timing>> run(PlanId id, std::span<const FrameInput> frames) override;
+    Result<std::vector<Timing>> run(PlanId id, std::span<const FrameInput> frames, RunMode mode) override;
     Result<Image> readImage(PlanId id) override;
     Result<std::vector<std::byte>> readStream(PlanId id, uint32_t slot) override;
     void release(PlanId id) override { plans_.erase(id); }
@@ -36,10 +36,16 @@ private:
     uint64_t queriesDone(uint32_t count) const;
     Result<double> copySkinned(Plan& plan, std::span<const std::byte> skinned);
     void bindFrame(VkCommandBuffer commands, const Plan& plan, size_t frame, uint64_t paletteOffset) const;
+    void recordDraws(VkCommandBuffer commands, const Plan& plan, size_t frame, const Pass& pass) const;
     void recordPass(VkCommandBuffer commands, const Plan& plan, size_t frame, size_t number, uint32_t query) const;
+    void recordOverlapped(VkCommandBuffer commands, const Plan& plan, size_t frame, uint32_t query) const;
+    void recordCounted(VkCommandBuffer commands, const Plan& plan, size_t frame, uint32_t place,
+                       const CounterQueries& counters) const;
+    void clearTarget(VkCommandBuffer commands, const Plan& plan) const;
     void bindPass(VkCommandBuffer commands, const Plan& plan, size_t number) const;
-    Result<void> runBatch(const Plan& plan, size_t first, std::span<Timing> timings);
-    Result<void> readTimings(const Plan& plan, std::span<Timing> timings);
+    Result<void> runBatch(const Plan& plan, size_t first, std::span<Timing> timings, RunMode mode);
+    Result<void> countBatch(const Plan& plan, size_t first, std::span<Timing> timings);
+    Result<void> readTimings(uint32_t pairs, std::span<Timing> timings);
 
     std::unique_ptr<Device> device_;
     VkPipelineCache pipelineCache_;
@@ -156,19 +162,15 @@ void VulkanBackend::bindFrame(VkCommandBuffer commands, const Plan& plan, size_t
         device_->vk.vkCmdBindDescriptorSets(commands, point, plan.layout, 0, 1, &plan.descriptors, 2, offsets.data());
 }
 
-// Between the two timestamps: the rendering scope of a drawing pass, and every draw with its constants.
-void VulkanBackend::recordPass(VkCommandBuffer commands, const Plan& plan, size_t frame, size_t number,
-                               uint32_t query) const {
+void VulkanBackend::clearTarget(VkCommandBuffer commands, const Plan& plan) const {
+    beginRendering(commands, *plan.target, VK_ATTACHMENT_LOAD_OP_CLEAR);
+    device_->vk.vkCmdEndRendering(commands);
+}
+
+// The rendering scope of a drawing pass, and every draw with its constants.
+void VulkanBackend::recordDraws(VkCommandBuffer commands, const Plan& plan, size_t frame, const Pass& pass) const {
     const VolkDeviceTable& vk = device_->vk;
-    const Pass& pass = plan.passes[number];
     const bool draws = pass.kind != PassKind::dispatch;
-    if (draws && pass.clear) {
-        beginRendering(commands, *plan.target, VK_ATTACHMENT_LOAD_OP_CLEAR);
-        vk.vkCmdEndRendering(commands);
-    }
-    bindPass(commands, plan, number);
-    fullBarrier(*device_, commands);
-    vk.vkCmdWriteTimestamp2(commands, VK_PIPELINE_STAGE_2_ALL_COMMANDS_BIT, queries_, query);
     if (draws) beginRendering(commands, *plan.target, VK_ATTACHMENT_LOAD_OP_LOAD);
     for (const Draw& draw : pass.draws) {
         if (plan.paletteRange) bindFrame(commands, plan, frame, draw.paletteOffset);
@@ -183,13 +185,66 @@ void VulkanBackend::recordPass(VkCommandBuffer commands, const Plan& plan, size_
             vk.vkCmdDrawMeshTasksEXT(commands, draw.count, 1, 1);
     }
     if (draws) vk.vkCmdEndRendering(commands);
+}
+
+void VulkanBackend::recordPass(VkCommandBuffer commands, const Plan& plan, size_t frame, size_t number,
+                               uint32_t query) const {
+    const VolkDeviceTable& vk = device_->vk;
+    const Pass& pass = plan.passes[number];
+    if (pass.kind != PassKind::dispatch && pass.clear) clearTarget(commands, plan);
+    bindPass(commands, plan, number);
+    fullBarrier(*device_, commands);
+    vk.vkCmdWriteTimestamp2(commands, VK_PIPELINE_STAGE_2_ALL_COMMANDS_BIT, queries_, query);
+    recordDraws(commands, plan, frame, pass);
     vk.vkCmdWriteTimestamp2(commands, VK_PIPELINE_STAGE_2_ALL_COMMANDS_BIT, queries_, query + 1);
     fullBarrier(*device_, commands);
 }
 
-Result<void> VulkanBackend::runBatch(const Plan& plan, size_t first, std::span<Timing> timings) {
+// What a pass needs of the one before it: skinned vertices, and after a drawing pass its depth.
+void narrowBarrier(const Device& device, VkCommandBuffer commands, bool afterDispatch) {
+    VkMemoryBarrier2 barrier{VK_STRUCTURE_TYPE_MEMORY_BARRIER_2};
+    barrier.srcStageMask = VK_PIPELINE_STAGE_2_COMPUTE_SHADER_BIT;
+    barrier.srcAccessMask = VK_ACCESS_2_SHADER_STORAGE_WRITE_BIT;
+    barrier.dstStageMask =
+        VK_PIPELINE_STAGE_2_VERTEX_ATTRIBUTE_INPUT_BIT | VK_PIPELINE_STAGE_2_PRE_RASTERIZATION_SHADERS_BIT;
+    barrier.dstAccessMask = VK_ACCESS_2_VERTEX_ATTRIBUTE_READ_BIT | VK_ACCESS_2_SHADER_STORAGE_READ_BIT;
+    if (!afterDispatch) {
+        const VkPipelineStageFlags2 tests =
+            VK_PIPELINE_STAGE_2_EARLY_FRAGMENT_TESTS_BIT | VK_PIPELINE_STAGE_2_LATE_FRAGMENT_TESTS_BIT;
+        barrier.srcStageMask =
+            VK_PIPELINE_STAGE_2_PRE_RASTERIZATION_SHADERS_BIT | tests | VK_PIPELINE_STAGE_2_COLOR_ATTACHMENT_OUTPUT_BIT;
+        barrier.srcAccessMask |=
+            VK_ACCESS_2_DEPTH_STENCIL_ATTACHMENT_WRITE_BIT | VK_ACCESS_2_COLOR_ATTACHMENT_WRITE_BIT;
+        barrier.dstStageMask |= tests | VK_PIPELINE_STAGE_2_COLOR_ATTACHMENT_OUTPUT_BIT;
+        barrier.dstAccessMask |= VK_ACCESS_2_DEPTH_STENCIL_ATTACHMENT_READ_BIT |
+                                 VK_ACCESS_2_DEPTH_STENCIL_ATTACHMENT_WRITE_BIT |
+                                 VK_ACCESS_2_COLOR_ATTACHMENT_READ_BIT | VK_ACCESS_2_COLOR_ATTACHMENT_WRITE_BIT;
+    }
+    VkDependencyInfo info{VK_STRUCTURE_TYPE_DEPENDENCY_INFO};
+    info.memoryBarrierCount = 1;
+    info.pMemoryBarriers = &barrier;
+    device.vk.vkCmdPipelineBarrier2(commands, &info);
+}
+
+void VulkanBackend::recordOverlapped(VkCommandBuffer commands, const Plan& plan, size_t frame, uint32_t query) const {
+    const VolkDeviceTable& vk = device_->vk;
+    if (std::ranges::any_of(plan.passes, [](const Pass& p) { return p.kind != PassKind::dispatch && p.clear; }))
+        clearTarget(commands, plan);
+    fullBarrier(*device_, commands);
+    vk.vkCmdWriteTimestamp2(commands, VK_PIPELINE_STAGE_2_ALL_COMMANDS_BIT, queries_, query);
+    for (size_t number = 0; number < plan.passes.size(); ++number) {
+        if (number > 0) narrowBarrier(*device_, commands, plan.passes[number - 1].kind == PassKind::dispatch);
+        bindPass(commands, plan, number);
+        recordDraws(commands, plan, frame, plan.passes[number]);
+    }
+    vk.vkCmdWriteTimestamp2(commands, VK_PIPELINE_STAGE_2_ALL_COMMANDS_BIT, queries_, query + 1);
+    fullBarrier(*device_, commands);
+}
+
+Result<void> VulkanBackend::runBatch(const Plan& plan, size_t first, std::span<Timing> timings, RunMode mode) {
     const uint32_t passes = static_cast<uint32_t>(plan.passes.size());
-    const uint32_t count = static_cast<uint32_t>(timings.size()) * passes * 2;
+    const uint32_t pairs = mode == RunMode::overlap ? 1 : passes;
+    const uint32_t count = static_cast<uint32_t>(timings.size()) * pairs * 2;
     SKINBENCH_TRY(needQueries(count));
     const auto start = Clock::now();
     auto commands = beginCommands(*device_);
@@ -198,7 +253,8 @@ Result<void> VulkanBackend::runBatch(const Plan& plan, size_t first, std::span<T
     fullBarrier(*device_, *commands);
     for (uint32_t i = 0; i < timings.size(); ++i) {
         bindFrame(*commands, plan, first + i, 0);
-        for (uint32_t pass = 0; pass < passes; ++pass)
+        if (mode == RunMode::overlap) recordOverlapped(*commands, plan, first + i, i * 2);
+        for (uint32_t pass = 0; pass < passes && mode == RunMode::timed; ++pass)
             recordPass(*commands, plan, first + i, pass, (i * passes + pass) * 2);
     }
     SKINBENCH_TRY(endCommands(*device_));
@@ -209,11 +265,48 @@ Result<void> VulkanBackend::runBatch(const Plan& plan, size_t first, std::span<T
         timing.record = record / static_cast<double>(timings.size());
         timing.submit = *submit / static_cast<double>(timings.size());
     }
-    return readTimings(plan, timings);
+    return readTimings(pairs, timings);
 }
 
-Result<void> VulkanBackend::readTimings(const Plan& plan, std::span<Timing> timings) {
-    const size_t passes = plan.passes.size(), count = timings.size() * passes * 2;
+void VulkanBackend::recordCounted(VkCommandBuffer commands, const Plan& plan, size_t frame, uint32_t place,
+                                  const CounterQueries& counters) const {
+    for (size_t number = 0; number < plan.passes.size(); ++number) {
+        const Pass& pass = plan.passes[number];
+        if (pass.kind != PassKind::dispatch && pass.clear) clearTarget(commands, plan);
+        bindPass(commands, plan, number);
+        fullBarrier(*device_, commands);
+        beginCounting(counters, commands, number, place);
+        recordDraws(commands, plan, frame, pass);
+        endCounting(counters, commands, number, place);
+        fullBarrier(*device_, commands);
+    }
+}
+
+Result<void> VulkanBackend::countBatch(const Plan& plan, size_t first, std::span<Timing> timings) {
+    if (!device_->caps.pipelineStatistics) return {};
+    const auto frames = static_cast<uint32_t>(timings.size());
+    auto counters = makeCounterQueries(*device_, plan, frames);
+    if (!counters) return std::unexpected(counters.error());
+    auto commands = beginCommands(*device_);
+    if (!commands) return std::unexpected(commands.error());
+    resetCounters(**counters, *commands, frames);
+    fullBarrier(*device_, *commands);
+    for (uint32_t i = 0; i < frames; ++i) {
+        bindFrame(*commands, plan, first + i, 0);
+        recordCounted(*commands, plan, first + i, i, **counters);
+    }
+    SKINBENCH_TRY(endCommands(*device_));
+    SKINBENCH_TRY(submitAndWait(*device_));
+    for (uint32_t i = 0; i < frames; ++i) {
+        auto read = readCounters(**counters, i);
+        if (!read) return std::unexpected(read.error());
+        timings[i].counters = *read;
+    }
+    return {};
+}
+
+Result<void> VulkanBackend::readTimings(uint32_t pairs, std::span<Timing> timings) {
+    const size_t count = timings.size() * pairs * 2;
     if (count == 0) return {};
     std::vector<uint64_t> times(count);
     SKINBENCH_TRY(check(*device_,
@@ -224,15 +317,15 @@ Result<void> VulkanBackend::readTimings(const Plan& plan, std::span<Timing> timi
     const uint32_t bits = device_->caps.timestampBits;
     const uint64_t mask = bits >= 64 ? UINT64_MAX : (uint64_t{1} << bits) - 1;
     for (size_t i = 0; i < timings.size(); ++i)
-        for (size_t pass = 0; pass < passes; ++pass) {
-            const uint64_t* pair = &times[(i * passes + pass) * 2];
-            const uint64_t ticks = (pair[1] - pair[0]) & mask;
+        for (size_t pair = 0; pair < pairs; ++pair) {
+            const uint64_t* ends = &times[(i * pairs + pair) * 2];
+            const uint64_t ticks = (ends[1] - ends[0]) & mask;
             timings[i].passes.push_back(static_cast<double>(ticks) * device_->caps.timestampPeriodNs * 1e-6);
         }
     return {};
 }
 
-Result<std::vector<Timing>> VulkanBackend::run(PlanId id, std::span<const FrameInput> frames) {
+Result<std::vector<Timing>> VulkanBackend::run(PlanId id, std::span<const FrameInput> frames, RunMode mode) {
     SKINBENCH_TRY(usable());
     SKINBENCH_ASSERT(plans_.contains(id));
     Plan& plan = *plans_.at(id);
@@ -240,14 +333,17 @@ Result<std::vector<Timing>> VulkanBackend::run(PlanId id, std::span<const FrameI
     if (frames.empty()) return timings;
     SKINBENCH_TRY(uploadFrames(*device_, frameData_, plan, frames));
     if (plan.target) plan.target->lastPlan = id;
+    auto batch = [&](size_t first, std::span<Timing> of) {
+        return mode == RunMode::counted ? countBatch(plan, first, of) : runBatch(plan, first, of, mode);
+    };
     if (!plan.hostWritten) {
-        SKINBENCH_TRY(runBatch(plan, 0, timings));
+        SKINBENCH_TRY(batch(0, timings));
         return timings;
     }
     for (size_t i = 0; i < frames.size(); ++i) {
         auto milliseconds = copySkinned(plan, frames[i].skinned);
         if (!milliseconds) return std::unexpected(milliseconds.error());
-        SKINBENCH_TRY(runBatch(plan, i, std::span(timings).subspan(i, 1)));
+        SKINBENCH_TRY(batch(i, std::span(timings).subspan(i, 1)));
         timings[i].upload = *milliseconds;
     }
     return timings;

@@ -43,6 +43,7 @@ void chooseFeatures(VkPhysicalDevice physical, Features& enabled, bool withExt, 
     enabled.v13.computeFullSubgroups = offered.v13.computeFullSubgroups;
     enabled.ext.meshShader = offered.ext.meshShader;
     enabled.ext.taskShader = offered.ext.taskShader;
+    enabled.ext.meshShaderQueries = offered.ext.meshShaderQueries;
     enabled.nv.meshShader = offered.nv.meshShader;
     enabled.nv.taskShader = offered.nv.taskShader;
 }

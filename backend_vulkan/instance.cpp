@@ -175,6 +175,7 @@ void fillExtended(Adapter& adapter) {
                          (subgroup.supportedOperations & wanted) == wanted &&
                          subgroupRange.minSubgroupSize == subgroupRange.maxSubgroupSize;
     caps.pipelineStatistics = features.features.pipelineStatisticsQuery;
+    caps.meshCounters = caps.pipelineStatistics && extFeatures.meshShaderQueries;
     if (*driver.driverName)
         caps.driver = driver.driverName + (*driver.driverInfo ? " " + std::string(driver.driverInfo) : "");
     adapter.maxBufferBytes = allocation.maxMemoryAllocationSize;

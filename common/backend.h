@@ -18,6 +18,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <memory>
+#include <optional>
 #include <span>
 #include <string>
 #include <vector>
@@ -68,6 +69,7 @@ struct DeviceCaps {
     uint32_t storageBlocksVertex = 0;   // storage blocks a vertex stage may have
     uint64_t deviceBytes = 0;           // memory of the device's largest heap; 0: the driver does not say
     bool pipelineStatistics = false;
+    bool meshCounters = false;        // statistics of task and mesh stages in the EXT dialect
     bool lastMeshOutputLost = false;  // a driver fault, found by a test draw: the last location that mesh stages write
                                       // never reaches the fragment stage
     bool meshDepthDiffers = false;    // a mesh and a vertex stage that write equal positions get depths that differ in
@@ -185,14 +187,28 @@ struct FrameInput {
     std::span<const std::byte> skinned;  // for the hostWritten stream, else empty; copied as pass "upload"
 };
 
-// Milliseconds. `passes` has one element a pass of the plan. `upload` is the host time that the copy of
-// FrameInput::skinned into device memory took, fenced; 0 where there is none. `record` and `submit` are host times of
-// the whole batch divided by its frames.
+// How run() draws its frames.
+// timed:   a full barrier around every pass and two timestamps at each.
+// overlap: between the passes of a frame only what the next one reads is waited for; two timestamps around the whole
+//          frame, with full barriers outside.
+// counted: pipeline statistics instead of timestamps.
+enum class RunMode { timed, overlap, counted };
+
+// What the pipeline did for one frame, all passes together; empty where the API does not count it for these passes.
+struct Counters {
+    std::optional<uint64_t> inputVertices, inputPrimitives, vertexInvocations, clippingInvocations, clippingPrimitives,
+        fragmentInvocations, computeInvocations, taskInvocations, meshInvocations, meshPrimitives;
+};
+
+// Milliseconds. `passes` has one element a pass of the plan, one in all in RunMode::overlap. `upload` is the host time
+// that the copy of FrameInput::skinned into device memory took, fenced; 0 where there is none. `record` and `submit`
+// are host times of the whole batch divided by its frames.
 struct Timing {
     std::vector<double> passes;
     double upload = 0;
     double record = 0;
     double submit = 0;
+    std::optional<Counters> counters;  // RunMode::counted, where DeviceCaps::pipelineStatistics
 };
 
 struct Image {
@@ -220,7 +236,8 @@ public:
 
     // Uploads every palette first, then renders all frames in order and waits; one Timing a frame. Never fails
     // because of what an earlier plan did; a lost device is an error of this and every later call.
-    virtual Result<std::vector<Timing>> run(PlanId plan, std::span<const FrameInput> frames) = 0;
+    virtual Result<std::vector<Timing>> run(PlanId plan, std::span<const FrameInput> frames,
+                                            RunMode mode = RunMode::timed) = 0;
 
     // The colour target and a whole stream as the last run() of this plan left them. Plans of one size share their
     // targets: the image is an error once another of them has run.

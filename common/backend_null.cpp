@@ -17,13 +17,18 @@ public:
         return next_++;
     }
 
-    Result<std::vector<Timing>> run(PlanId plan, std::span<const FrameInput> frames) override {
+    Result<std::vector<Timing>> run(PlanId plan, std::span<const FrameInput> frames, RunMode mode) override {
         const FramePlan* kept = find(plan);
         if (!kept) return deviceError("null backend: no such plan");
         for (const FrameInput& frame : frames)
             if (frame.palette.size() != kept->paletteBytes)
                 return deviceError("null backend: a palette has not the plan's size");
-        return std::vector<Timing>(frames.size(), {.passes = std::vector<double>(kept->passes.size(), 0.0)});
+        Timing timing;
+        if (mode == RunMode::counted)
+            timing.counters.emplace();
+        else
+            timing.passes.assign(mode == RunMode::overlap ? 1 : kept->passes.size(), 0.0);
+        return std::vector<Timing>(frames.size(), timing);
     }
 
     Result<Image> readImage(PlanId plan) override {

@@ -1,5 +1,6 @@
 // The runner: every case is verified against the reference, then the cases that are right are timed in rounds, each
-// round in a new shuffled order, so that a drift of the machine hits all alike.
+// round in a new shuffled order, so that a drift of the machine hits all alike. Rounds go on until the medians are
+// known well enough.
 #pragma once
 
 #include <functional>
@@ -8,30 +9,39 @@
 
 #include "common/backend.h"
 #include "common/skin_cpu.h"
+#include "common/stats.h"
 #include "common/variant.h"
 #include "common/workload.h"
 
 namespace skinbench {
 
 struct BenchSettings {
-    uint32_t frames = 30;  // timed frames of a case, over all rounds
+    uint32_t frames = 30;  // timed frames of a case, over the first `rounds` rounds
     uint32_t warmup = 3;   // untimed frames in every round, repeated until their mean holds still (3 s at most)
     uint32_t rounds = 3;
-    uint32_t seed = 1;             // of the order within a round
-    bool timed = true;             // false: verify only
-    double tolerance = 2e-6;       // largest position error, relative to the posed bounding box's diagonal
-    uint32_t imageThreshold = 2;   // a pixel differs when a channel differs by more
+    double precision = 0;         // above 0: more such rounds, kMostRounds at the most, for each case whose interval of
+                                  // the median has a larger relative half-width
+    double timeLimit = 0;         // seconds after which no such round begins; 0: none
+    bool limits = false;          // also time every case's limitCase
+    bool selfTest = false;        // time every case twice, as if it were two
+    uint32_t seed = 1;            // of the order within a round
+    bool timed = true;            // false: verify only
+    double tolerance = 2e-6;      // largest position error, relative to the posed bounding box's diagonal
+    uint32_t imageThreshold = 2;  // a pixel differs when a channel differs by more
     double imageFraction = 0.001;  // that many pixels may differ between two routes
 };
+
+inline constexpr uint32_t kMostRounds = 20;
 
 enum class CaseStatus { ok, skipped, failed };
 
 struct Accuracy {
     SkinError error;  // against the decoded vertices, the larger of the two captured copies
     double tolerance = 0;
-    SkinError codecError;        // against the vertices before encoding
-    double imageDifference = 0;  // fraction of pixels that differ from the first image of the run
-    std::string imageReference;  // id of the case that made that image
+    SkinError codecError;              // against the vertices before encoding
+    double imageDifference = 0;        // fraction of pixels that differ from the first image of the run
+    std::string imageReference;        // id of the case that made that image
+    std::optional<double> codecBound;  // what codecError.position may be at most; empty: the codec promises nothing
 };
 
 // Samples are milliseconds per frame for all copies. `total` is the sum of the passes, and for the variant `cpu` also
@@ -39,9 +49,16 @@ struct Accuracy {
 struct CaseResult {
     Case which;
     std::string id;
+    bool isLimit = false;  // added by BenchSettings::limits
+    bool isAgain = false;  // added by BenchSettings::selfTest: the second one of two equal cases
+    std::string limitId;   // of the result that is this case's limit; empty: none
     CaseStatus status = CaseStatus::skipped;
     std::string reason;  // empty when ok
     std::vector<double> total;
+    std::vector<size_t> roundSizes;    // of `total`, round after round
+    std::optional<Interval> interval;  // of the median of `total`
+    std::vector<double> overlapped;    // frames of several passes in RunMode::overlap
+    std::optional<Counters> counters;  // of one frame
     std::map<std::string, std::vector<double>> passes;
     std::vector<double> record;  // host time to record a frame, and to submit it
     std::vector<double> submit;
@@ -59,12 +76,13 @@ using Backends = std::map<Api, OpenBackend>;
 
 struct BenchEvents {
     std::function<void(const std::string& what, double fraction)> progress;  // fraction of the work that is done
-    std::function<Result<void>(const std::vector<CaseResult>&)> checkpoint;  // after every case and every round
-    std::function<bool()> stop;                                              // true: end after the current case
+    std::function<Result<void>(const std::vector<CaseResult>&)> checkpoint;  // after every case
+    std::function<void()> timing;  // right after the first warm-up, and right behind the last timed frame
+    std::function<bool()> stop;    // true: end after the current case
 };
 
-// One result a case, in the order given. Fails only when nothing can be measured at all (the scene cannot be prepared)
-// or a checkpoint fails.
+// One result a case, in the order given, then those that settings add. Fails only when nothing can be measured at all
+// (the scene cannot be prepared) or a checkpoint fails.
 Result<std::vector<CaseResult>> runBench(Workload& workload, const std::vector<Case>& cases, const Backends& backends,
                                          const BenchSettings& settings, const BenchEvents& events);
 

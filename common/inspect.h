@@ -75,6 +75,17 @@ struct CodecRow {
     // count in full.
     double blendBytesPerVertex = 0;
     CodecErrors errors;
+    // Wall time of the encoder, which uses all cores and has the meshlets already: from the prepared mesh to buffers in
+    // memory, without decoding and comparing. Without difference coding the builder takes no part: one time for all.
+    double encodeMs = 0;
+};
+
+// All codecs that can encode the mesh, one after the other.
+struct EncodeTotal {
+    Geometry geometry = Geometry::welded;
+    const Builder* builder = nullptr;
+    uint32_t codecs = 0;
+    double encodeMs = 0;
 };
 
 struct Inspection {
@@ -92,8 +103,9 @@ JointSpread jointSpread(const Mesh& mesh, const MeshletMesh& meshlets);
 // Takes a scene as loaded. Every cut is checked; an error is a fault of a builder.
 Result<Inspection> inspectScene(const Scene& stored, const InspectSettings& settings);
 
-nlohmann::ordered_json inspectJson(const Inspection& inspection);
+// One for each geometry and builder.
+std::vector<EncodeTotal> encodeTotals(const std::vector<CodecRow>& rows);
 
-const char* geometryName(Geometry geometry);
+nlohmann::ordered_json inspectJson(const Inspection& inspection);
 
 }  // namespace skinbench

@@ -9,7 +9,6 @@
 
 #include <nlohmann/json.hpp>
 
-#include "common/file.h"
 #include "common/stats.h"
 #include "common/version.h"
 
@@ -40,6 +39,16 @@ RunContext hostContext() {
     context.cpu = firstValue("/proc/cpuinfo", "model name", ':');
     if (context.cpu.empty()) context.cpu = system.machine;
     return context;
+}
+
+Json sceneJson(const std::string& name, const SceneStats& stats) {
+    return {{"name", name},
+            {"vertices", stats.vertices},
+            {"triangles", stats.triangles},
+            {"joints", stats.joints},
+            {"unique_tuples", stats.uniqueTuples},
+            {"mean_influences", stats.meanInfluences},
+            {"max_influences", stats.maxInfluences}};
 }
 
 static Json meshLimitsJson(const MeshLimitsOfDevice& limits) {
@@ -73,15 +82,27 @@ Json capsJson(const DeviceCaps& caps) {
             {"storage_blocks_vertex", caps.storageBlocksVertex},
             {"device_bytes", caps.deviceBytes},
             {"pipeline_statistics", caps.pipelineStatistics},
+            {"mesh_counters", caps.meshCounters},
             {"last_mesh_output_lost", caps.lastMeshOutputLost},
             {"mesh_depth_differs", caps.meshDepthDiffers},
             {"primitive_cull_ignored", caps.primitiveCullIgnored}};
 }
 
-static Json timesJson(const std::vector<double>& samples) {
-    if (samples.empty()) return nullptr;
-    const Summary s = summarise(samples);
-    return {{"mean", s.mean}, {"median", s.median}, {"min", s.min}, {"max", s.max}, {"cv", s.cv}, {"samples", samples}};
+static Json intervalJson(const std::optional<Interval>& interval) {
+    return interval ? Json::array({interval->low, interval->high}) : Json(nullptr);
+}
+
+static Json timesJson(const CaseResult& result) {
+    if (result.total.empty()) return nullptr;
+    const Summary s = summarise(result.total);
+    Json json = {{"mean", s.mean}, {"median", s.median}, {"min", s.min}, {"max", s.max}, {"p95", s.p95}, {"cv", s.cv}};
+    json["interval"] = intervalJson(result.interval);
+    json["outliers"] = countOutliers(result.total);
+    const Drift drift = driftBetweenRounds(result.total, result.roundSizes);
+    json["drift"] = {{"relative", drift.relative}, {"p", drift.p ? Json(*drift.p) : Json(nullptr)}};
+    json["round_sizes"] = result.roundSizes;
+    json["samples"] = result.total;
+    return json;
 }
 
 static Json passesJson(const CaseResult& result) {
@@ -89,6 +110,36 @@ static Json passesJson(const CaseResult& result) {
     Json passes = {{"skin", nullptr}, {"depth", nullptr}, {"draw", nullptr}};
     for (const auto& [label, samples] : result.passes) passes[label] = summarise(samples).median;
     return passes;
+}
+
+static Json overlapJson(const CaseResult& result) {
+    if (result.overlapped.empty()) return nullptr;
+    return {{"median", summarise(result.overlapped).median},
+            {"interval", intervalJson(medianInterval(result.overlapped, result.roundSizes))}};
+}
+
+static Json countersJson(const std::optional<Counters>& counters) {
+    if (!counters) return nullptr;
+    auto number = [](const std::optional<uint64_t>& value) { return value ? Json(*value) : Json(nullptr); };
+    return {{"input_vertices", number(counters->inputVertices)},
+            {"input_primitives", number(counters->inputPrimitives)},
+            {"vertex_invocations", number(counters->vertexInvocations)},
+            {"clipping_invocations", number(counters->clippingInvocations)},
+            {"clipping_primitives", number(counters->clippingPrimitives)},
+            {"fragment_invocations", number(counters->fragmentInvocations)},
+            {"compute_invocations", number(counters->computeInvocations)},
+            {"task_invocations", number(counters->taskInvocations)},
+            {"mesh_invocations", number(counters->meshInvocations)},
+            {"mesh_primitives", number(counters->meshPrimitives)}};
+}
+
+// What a frame draws, and what it holds of all copies, a second.
+static Json achievedJson(const RunContext& context, const CaseResult& result) {
+    if (result.total.empty() || !result.memory) return nullptr;
+    const double seconds = summarise(result.total).median * 1e-3, copies = context.workload.copies;
+    if (seconds <= 0) return nullptr;
+    return {{"bytes_per_s", static_cast<double>(result.memory->total()) * copies / seconds},
+            {"triangles_per_s", static_cast<double>(context.scene.triangles) * copies / seconds}};
 }
 
 static Json memoryJson(const std::optional<MemoryBytes>& memory) {
@@ -110,6 +161,7 @@ static Json accuracyJson(const CaseResult& result) {
             {"tolerance", accuracy.tolerance},
             {"codec_position_error", finite(accuracy.codecError.position)},
             {"codec_normal_error", finite(accuracy.codecError.normal)},
+            {"codec_position_bound", accuracy.codecBound ? finite(*accuracy.codecBound) : Json(nullptr)},
             {"image_difference", image ? Json(accuracy.imageDifference) : Json(nullptr)},
             {"image_reference", image ? Json(accuracy.imageReference) : Json(nullptr)}};
 }
@@ -154,9 +206,16 @@ static const char* statusName(CaseStatus status) {
     return "?";
 }
 
-static Json caseJson(const CaseResult& result) {
+static bool isTimed(const CaseResult& result) { return result.status == CaseStatus::ok && !result.total.empty(); }
+
+static Json limitJson(const std::vector<CaseResult>& results, const CaseResult& of) {
+    auto limit = std::ranges::find_if(results, [&](const CaseResult& r) { return r.isLimit && r.id == of.limitId; });
+    return limit == results.end() || !isTimed(*limit) ? Json(nullptr) : Json(summarise(limit->total).median);
+}
+
+static Json caseJson(const RunContext& context, const std::vector<CaseResult>& results, const CaseResult& result) {
     const Case& which = result.which;
-    const bool timed = result.status == CaseStatus::ok && !result.total.empty();
+    const bool timed = isTimed(result);
     return {{"id", result.id},
             {"route", which.route->name},
             {"variant", which.variant->name},
@@ -169,172 +228,182 @@ static Json caseJson(const CaseResult& result) {
             {"options", optionsJson(which)},
             {"status", statusName(result.status)},
             {"reason", result.status == CaseStatus::ok ? Json(nullptr) : Json(result.reason)},
-            {"gpu_ms", timed ? timesJson(result.total) : Json(nullptr)},
+            {"gpu_ms", timed ? timesJson(result) : Json(nullptr)},
             {"passes_ms", timed ? passesJson(result) : Json(nullptr)},
+            {"unserialised_ms", timed ? overlapJson(result) : Json(nullptr)},
             {"host_ms",
              timed ? Json{{"record", summarise(result.record).median}, {"submit", summarise(result.submit).median}}
                    : Json(nullptr)},
-            {"limit_ms", nullptr},
+            {"limit_ms", limitJson(results, result)},
+            {"limit_id", result.limitId.empty() ? Json(nullptr) : Json(result.limitId)},
+            {"achieved", timed ? achievedJson(context, result) : Json(nullptr)},
+            {"counters", countersJson(result.counters)},
             {"meshlets", which.builder && result.meshlets ? Json(result.meshlets) : Json(nullptr)},
             {"memory_bytes", memoryJson(result.memory)},
             {"accuracy", accuracyJson(result)}};
 }
 
+static Json limitsJson(const std::vector<CaseResult>& results) {
+    Json limits = Json::array();
+    for (const CaseResult& result : results) {
+        if (!result.isLimit) continue;
+        limits.push_back({{"id", result.id},
+                          {"route", result.which.route->name},
+                          {"raster", rasterName(result.which.raster)},
+                          {"status", statusName(result.status)},
+                          {"reason", result.status == CaseStatus::ok ? Json(nullptr) : Json(result.reason)},
+                          {"gpu_ms", isTimed(result) ? timesJson(result) : Json(nullptr)},
+                          {"counters", countersJson(result.counters)}});
+    }
+    return limits;
+}
+
+// The device's copy bandwidth, and the most triangles a second that a limit of this run reached.
+static Json peakJson(const RunContext& context, const std::vector<CaseResult>& results, Api api) {
+    double most = 0;
+    for (const CaseResult& result : results)
+        if (result.isLimit && result.which.route->api == api && isTimed(result) && summarise(result.total).median > 0)
+            most = std::max(most, static_cast<double>(context.scene.triangles) * context.workload.copies /
+                                      (summarise(result.total).median * 1e-3));
+    auto copied = context.copyBandwidth.find(api);
+    if (most == 0 && copied == context.copyBandwidth.end()) return nullptr;
+    return {{"copy_bytes_per_s", copied == context.copyBandwidth.end() ? Json(nullptr) : Json(copied->second)},
+            {"triangles_per_s", most > 0 ? Json(most) : Json(nullptr)}};
+}
+
+static Json statesJson(const std::vector<DeviceState>& states) {
+    auto number = [](const std::optional<double>& value) { return value ? Json(*value) : Json(nullptr); };
+    Json list = Json::array();
+    for (const DeviceState& state : states)
+        list.push_back({{"device", state.device},
+                        {"sm_clock_mhz", number(state.smClockMhz)},
+                        {"memory_clock_mhz", number(state.memoryClockMhz)},
+                        {"temperature_c", number(state.temperatureC)},
+                        {"power_w", number(state.powerW)},
+                        {"power_state", state.powerState.empty() ? Json(nullptr) : Json(state.powerState)}});
+    return list;
+}
+
+static Json environmentJson(const RunContext& context) {
+    const auto& states = context.deviceStates;
+    return {{"before", states.empty() ? Json::array() : statesJson(states.front())},
+            {"after", states.size() < 2 ? Json::array() : statesJson(states.back())}};
+}
+
+// A case of the self-test and its twin behind it.
+struct Twins {
+    const CaseResult *a, *b;
+};
+
+static std::vector<Twins> timedTwins(const std::vector<CaseResult>& results) {
+    std::vector<Twins> twins;
+    for (size_t i = 1; i < results.size(); ++i)
+        if (results[i].isAgain && isTimed(results[i]) && isTimed(results[i - 1]))
+            twins.push_back({&results[i - 1], &results[i]});
+    return twins;
+}
+
+static double differenceOf(const Twins& twins) {
+    const double a = summarise(twins.a->total).median, b = summarise(twins.b->total).median;
+    return a == 0 ? 0 : std::abs(b - a) / a;
+}
+
+// Below it a difference is never told: what timestamps and clocks round.
+constexpr double kResolution = 0.001;
+
+static bool skinsOnHost(const CaseResult& result) { return result.which.variant == findVariant("cpu"); }
+
+std::optional<double> noiseFloor(const std::vector<CaseResult>& results) {
+    std::optional<double> floor;
+    for (const Twins& twins : timedTwins(results))
+        if (!skinsOnHost(*twins.a)) floor = std::max(floor.value_or(0), differenceOf(twins));
+    return floor;
+}
+
+static Json selfTestJson(const std::vector<CaseResult>& results) {
+    Json rows = Json::array();
+    for (const Twins& twins : timedTwins(results)) {
+        const Interval &a = *twins.a->interval, &b = *twins.b->interval;
+        rows.push_back({{"id", twins.a->id},
+                        {"a_ms", summarise(twins.a->total).median},
+                        {"b_ms", summarise(twins.b->total).median},
+                        {"difference", differenceOf(twins)},
+                        {"equal", (a.low <= b.high && b.low <= a.high) || differenceOf(twins) <= kResolution}});
+    }
+    return rows;
+}
+
+constexpr double kMovedClock = 0.02, kDrift = 0.01, kUnlikely = 0.01;
+
+std::vector<std::string> figureWarnings(const RunContext& context, const std::vector<CaseResult>& results) {
+    std::vector<std::string> warnings = context.warnings;
+    if (context.buildType != "Release")
+        warnings.push_back("this is a " + context.buildType + " build; times of the host are not those of a release");
+    if (context.deviceStates.size() >= 2) {
+        const auto &before = context.deviceStates.front(), &after = context.deviceStates.back();
+        for (size_t i = 0; i < std::min(before.size(), after.size()); ++i) {
+            const auto &from = before[i].smClockMhz, &to = after[i].smClockMhz;
+            if (from && to && std::abs(*to - *from) > kMovedClock * *from)
+                warnings.push_back(std::format("the clock of {} moved from {:.0f} to {:.0f} MHz while cases were timed",
+                                               before[i].device, *from, *to));
+        }
+    }
+    size_t drifted = 0;
+    for (const CaseResult& result : results) {
+        if (!isTimed(result) || skinsOnHost(result)) continue;
+        const Drift drift = driftBetweenRounds(result.total, result.roundSizes);
+        drifted += drift.p && *drift.p < kUnlikely && drift.relative > kDrift;
+    }
+    if (drifted > 0)
+        warnings.push_back(std::format("{} of {} cases drifted by more than {:.0f} % between rounds", drifted,
+                                       std::ranges::count_if(results, isTimed), kDrift * 100));
+    return warnings;
+}
+
+static Json settingsJson(const RunContext& context) {
+    auto positive = [](double value) { return value > 0 ? Json(value) : Json(nullptr); };
+    return {{"copies", context.workload.copies},
+            {"frames", context.bench.frames},
+            {"warmup", context.bench.warmup},
+            {"width", context.workload.width},
+            {"height", context.workload.height},
+            {"pose", context.workload.animated ? "animated" : "frozen"},
+            {"rounds", context.bench.rounds},
+            {"precision", positive(context.bench.precision)},
+            {"time_limit_s", positive(context.bench.timeLimit)},
+            {"seed", context.bench.seed},
+            {"geometry", geometryName(context.workload.prepare.geometry)},
+            {"cache_order", context.workload.prepare.cacheOrder}};
+}
+
 Json resultsJson(const RunContext& context, const std::vector<CaseResult>& results) {
     Json devices = Json::array(), cases = Json::array();
-    for (const DeviceCaps& caps : context.devices) devices.push_back(capsJson(caps));
-    for (const CaseResult& result : results) cases.push_back(caseJson(result));
+    for (const DeviceCaps& caps : context.devices) {
+        devices.push_back(capsJson(caps));
+        devices.back()["peak"] = peakJson(context, results, caps.api);
+    }
+    for (const CaseResult& result : results)
+        if (!result.isLimit) cases.push_back(caseJson(context, results, result));
     Json calibrations = Json::array();
     for (const Calibration& calibration : context.calibrations) {
         Json tried = Json::array();
         for (const auto& [id, median] : calibration.tried) tried.push_back({{"id", id}, {"median_ms", median}});
         calibrations.push_back({{"chosen", calibration.chosen}, {"tried", tried}});
     }
-    const char* geometry[] = {"welded", "stored", "unwelded"};
+    const std::optional<double> floor = noiseFloor(results);
     return {{"schema", kResultsSchema},
             {"tool", {{"version", context.version}, {"revision", context.revision}, {"build_type", context.buildType}}},
             {"host", {{"os", context.os}, {"cpu", context.cpu}}},
             {"devices", devices},
-            {"scene",
-             {{"name", context.sceneName},
-              {"vertices", context.scene.vertices},
-              {"triangles", context.scene.triangles},
-              {"joints", context.scene.joints},
-              {"unique_tuples", context.scene.uniqueTuples},
-              {"mean_influences", context.scene.meanInfluences},
-              {"max_influences", context.scene.maxInfluences}}},
-            {"settings",
-             {{"copies", context.workload.copies},
-              {"frames", context.bench.frames},
-              {"warmup", context.bench.warmup},
-              {"width", context.workload.width},
-              {"height", context.workload.height},
-              {"pose", context.workload.animated ? "animated" : "frozen"},
-              {"rounds", context.bench.rounds},
-              {"seed", context.bench.seed},
-              {"geometry", geometry[static_cast<int>(context.workload.prepare.geometry)]},
-              {"cache_order", context.workload.prepare.cacheOrder}}},
+            {"scene", sceneJson(context.sceneName, context.scene)},
+            {"settings", settingsJson(context)},
+            {"environment", environmentJson(context)},
+            {"warnings", figureWarnings(context, results)},
             {"calibrations", calibrations},
+            {"noise_floor", floor ? Json(*floor) : Json(nullptr)},
+            {"self_test", context.bench.selfTest ? selfTestJson(results) : Json(nullptr)},
+            {"limits", limitsJson(results)},
             {"cases", cases}};
-}
-
-static std::string csvField(const Json& value) {
-    if (value.is_null()) return "";
-    std::string text = value.is_string() ? value.get<std::string>() : value.dump();
-    if (text.find_first_of(",\"\n") == std::string::npos) return text;
-    std::string quoted = "\"";
-    for (char c : text) quoted += c == '"' ? "\"\"" : std::string(1, c);
-    return quoted + "\"";
-}
-
-std::string resultsCsv(const Json& results) {
-    const std::vector<std::string> plain = {"id",       "route",  "variant", "codec",  "builder",  "layout",  "cull",
-                                            "scenario", "raster", "status",  "reason", "limit_ms", "meshlets"};
-    const std::vector<std::pair<std::string, std::vector<std::string>>> nested = {
-        {"gpu_ms", {"mean", "median", "min", "max", "cv"}},
-        {"passes_ms", {"skin", "depth", "draw"}},
-        {"memory_bytes", {"vertex", "index", "meshlet", "additional_meshlet", "tuple", "palette", "skinned", "total"}},
-        {"accuracy", {"max_position_error", "max_normal_error", "tolerance"}}};
-    std::string text = "scene";
-    for (const std::string& name : plain) text += "," + name;
-    for (const auto& [group, names] : nested)
-        for (const std::string& name : names) text += "," + group + "_" + name;
-    text += "\n";
-    for (const Json& row : results["cases"]) {
-        text += csvField(results["scene"]["name"]);
-        for (const std::string& name : plain) text += "," + csvField(row[name]);
-        for (const auto& [group, names] : nested)
-            for (const std::string& name : names)
-                text += "," + (row[group].is_null() ? std::string() : csvField(row[group].value(name, Json(nullptr))));
-        text += "\n";
-    }
-    return text;
-}
-
-// Whether the case's route is carried by a software driver.
-static bool isSoftware(const Json& results, const Json& row) {
-    const std::string route = row["route"];
-    const std::string api = route.starts_with("vk") ? "vulkan" : route.starts_with("gl") ? "opengl" : "";
-    return std::ranges::any_of(results["devices"],
-                               [&](const Json& device) { return device["route_api"] == api && device["software"]; });
-}
-
-std::string resultsTable(const Json& results) {
-    size_t width = 4;
-    for (const Json& row : results["cases"]) width = std::max(width, row["id"].get<std::string>().size());
-    std::string text = std::format("{:<{}}  {:>10}  {:>6}  {:>10}  {:>9}  {}\n", "case", width, "median ms", "cv %",
-                                   "KiB / copy", "error", "status");
-    bool software = false;
-    for (const Json& row : results["cases"]) {
-        auto number = [&](const char* group, const char* name, double scale, int digits) {
-            if (row[group].is_null() || row[group][name].is_null()) return std::string("-");
-            return std::format("{:.{}f}", row[group][name].get<double>() * scale, digits);
-        };
-        std::string error = "-";
-        if (!row["accuracy"].is_null() && !row["accuracy"]["max_position_error"].is_null())
-            error = std::format("{:.1e}", row["accuracy"]["max_position_error"].get<double>());
-        const bool marked = isSoftware(results, row) && !row["gpu_ms"].is_null();
-        software = software || marked;
-        std::string status = row["status"];
-        if (!row["reason"].is_null()) status += ": " + row["reason"].get<std::string>();
-        text += std::format("{:<{}}  {:>9}{}  {:>6}  {:>10}  {:>9}  {}\n", row["id"].get<std::string>(), width,
-                            number("gpu_ms", "median", 1, 3), marked ? "*" : " ", number("gpu_ms", "cv", 100, 2),
-                            number("memory_bytes", "total", 1.0 / 1024, 1), error, status);
-    }
-    if (software) text += "* software driver: shows that the path works, not how fast a GPU is\n";
-    return text;
-}
-
-// What a page reads; a file may come from another version of the program or from a person.
-using NeededKeys = std::vector<std::pair<std::string, std::vector<const char*>>>;
-
-static const NeededKeys kGroups = {
-    {"tool", {"version", "revision"}},
-    {"host", {"os", "cpu"}},
-    {"scene", {"name", "vertices", "triangles", "joints", "unique_tuples", "mean_influences", "max_influences"}},
-    {"settings", {"copies", "frames", "width", "height", "pose"}}};
-
-static const NeededKeys kLists = {
-    {"devices", {"route_api", "name", "driver", "software"}},
-    {"cases",
-     {"id", "route", "variant", "status", "reason", "raster", "gpu_ms", "passes_ms", "memory_bytes", "accuracy"}}};
-
-static const NeededKeys kFigures = {{"gpu_ms", {"median", "min", "cv"}},
-                                    {"passes_ms", {"skin", "draw"}},
-                                    {"memory_bytes", {"total"}},
-                                    {"accuracy", {"max_position_error"}}};
-
-// The first key that is not there, else null.
-static const char* lacks(const Json& object, const std::vector<const char*>& keys) {
-    if (!object.is_object()) return keys.front();
-    auto missing = std::ranges::find_if(keys, [&](const char* key) { return !object.contains(key); });
-    return missing == keys.end() ? nullptr : *missing;
-}
-
-Result<Json> loadResults(const std::string& path) {
-    auto text = readWholeFile(path);
-    if (!text) return std::unexpected(text.error());
-    Json json = Json::parse(*text, nullptr, false);
-    if (json.is_discarded()) return inputError(path + ": is not JSON");
-    if (!json.is_object() || !json.contains("schema") || json["schema"] != kResultsSchema)
-        return inputError(path + ": is not a result file; its schema is not " + kResultsSchema);
-    for (const auto& [group, keys] : kGroups) {
-        if (!json.contains(group)) return inputError(path + ": is not a whole result file: '" + group + "' is missing");
-        if (const char* key = lacks(json[group], keys))
-            return inputError(path + ": is not a whole result file: '" + group + "' lacks '" + key + "'");
-    }
-    for (const auto& [list, keys] : kLists) {
-        if (!json.contains(list) || !json[list].is_array())
-            return inputError(path + ": is not a whole result file: the list '" + list + "' is missing");
-        for (const Json& row : json[list])
-            if (const char* key = lacks(row, keys))
-                return inputError(path + ": an entry of '" + list + "' lacks the key '" + key + "'");
-    }
-    for (const Json& row : json["cases"])
-        for (const auto& [group, keys] : kFigures)
-            if (const char* key = row[group].is_null() ? nullptr : lacks(row[group], keys))
-                return inputError(path + ": '" + group + "' of a case lacks the key '" + key + "'");
-    return json;
 }
 
 }  // namespace skinbench

@@ -7,6 +7,7 @@
 #include <nlohmann/json_fwd.hpp>
 
 #include "common/bench.h"
+#include "common/device_state.h"
 
 namespace skinbench {
 
@@ -28,7 +29,18 @@ struct RunContext {
     WorkloadSettings workload;
     BenchSettings bench;
     std::vector<Calibration> calibrations;
+    std::map<Api, double> copyBandwidth;                 // bytes a second, by API that was opened
+    std::vector<std::vector<DeviceState>> deviceStates;  // when timing began and when it ended
+    std::vector<std::string> warnings;                   // that concern the figures
 };
+
+// What a reader of the figures must know: a debug build, clocks that moved by more than 2 % while cases were timed,
+// rounds that drifted by more than 1 %.
+std::vector<std::string> figureWarnings(const RunContext& context, const std::vector<CaseResult>& results);
+
+// The largest relative difference of the two medians of a case that BenchSettings::selfTest listed twice; cases that
+// the host skins are left out. Empty without such pairs.
+std::optional<double> noiseFloor(const std::vector<CaseResult>& results);
 
 // Version, revision and build type of this program, operating system and processor of this machine.
 RunContext hostContext();
@@ -36,6 +48,9 @@ RunContext hostContext();
 // Times in milliseconds, memory in bytes, position error relative, normal error in radians; fields that do not apply
 // are null.
 nlohmann::ordered_json resultsJson(const RunContext& context, const std::vector<CaseResult>& results);
+
+// The block "scene" of result and inspect files.
+nlohmann::ordered_json sceneJson(const std::string& name, const SceneStats& stats);
 
 nlohmann::ordered_json capsJson(const DeviceCaps& caps);
 
@@ -48,7 +63,10 @@ std::string resultsTable(const nlohmann::ordered_json& results);
 // Reads a result file; the error says what is wrong with it.
 Result<nlohmann::ordered_json> loadResults(const std::string& path);
 
-// One self-contained page of one or more result files.
-std::string reportHtml(const std::vector<nlohmann::ordered_json>& results);
+// Whether the route of a case is carried by a software driver; both as loadResults gives them.
+bool isSoftware(const nlohmann::ordered_json& results, const nlohmann::ordered_json& row);
+
+// One self-contained page of one or more result files, which are in it as JSON; `names` of the files may be fewer.
+std::string reportHtml(const std::vector<nlohmann::ordered_json>& results, const std::vector<std::string>& names = {});
 
 }  // namespace skinbench

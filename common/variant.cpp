@@ -62,7 +62,9 @@ static const char* wordOf(Value value, std::initializer_list<const char*> words)
 }
 
 const char* rasterName(RasterMode raster) { return wordOf(raster, {"full", "no-fragments", "discard"}); }
-const char* viewName(View view) { return wordOf(view, {"shaded", "meshlets", "weights", "tuples", "velocity"}); }
+const char* viewName(View view) {
+    return wordOf(view, {"shaded", "meshlets", "weights", "tuples", "velocity", "resolution"});
+}
 const char* cullName(Cull cull) { return wordOf(cull, {"off", "compact", "primitive", "torabi"}); }
 const char* exchangeName(Exchange exchange) { return wordOf(exchange, {"auto", "shuffle", "shared"}); }
 const char* scenarioName(Scenario scenario) { return wordOf(scenario, {"direct", "prepass"}); }
@@ -157,12 +159,33 @@ static std::optional<std::string> unsupportedOptions(const Case& which, const De
     if (exchangeBytes(which) > limits.maxSharedBytes)
         return std::format("{} bytes of shared memory: {} allows {}", exchangeBytes(which), caps.name,
                            limits.maxSharedBytes);
-    if (which.shape.orderedRecords && which.codec->needsMeshlets)
-        return std::string("codec ") + which.codec->name + " orders its vertices by the width of their differences";
     if (storesSlim(which) && which.codec != findCodec("uc"))
         return std::string("codec ") + which.codec->name + " has no record without joint ids";
     if (sharesJointLists(which) && which.shape.joints != JointSource::vertex) return "mesh-ci lists joints its own way";
     return std::nullopt;
+}
+
+std::optional<Case> limitCase(const Case& which) {
+    if (which.variant == findVariant("cpu") || which.scenario == Scenario::prepass) return std::nullopt;
+    Case limit;
+    limit.route = which.route;
+    limit.variant = findVariant("none");
+    limit.codec = findCodec("ids");
+    limit.influences = which.influences;  // decides which vertices are welded
+    limit.raster = which.raster;
+    limit.submission = which.submission;
+    limit.keepBackFaces = which.keepBackFaces;
+    if (which.route->dialect == MeshDialect::none) {
+        limit.fetch = VertexFetch::pull;
+        return limit;
+    }
+    limit.builder = which.builder;
+    limit.layout = which.layout;
+    limit.limits = which.limits;
+    limit.groupSize = which.groupSize;
+    limit.packedWrites = which.packedWrites;
+    limit.shape.orderedRecords = true;  // so that no vertex id is fetched
+    return limit;
 }
 
 static std::optional<std::string> unsupportedMeshlets(const Case& which, const DeviceCaps& caps) {
@@ -190,6 +213,7 @@ std::optional<std::string> unsupported(const Case& which, const DeviceCaps& caps
     if (caps.timestampBits == 0) return caps.name + " offers no timestamps, so passes cannot be timed";
     if (which.codec->needsMeshlets && which.route->dialect == MeshDialect::none)
         return std::string("codec ") + which.codec->name + " decodes in mesh stages only";
+    if (which.codec == findCodec("ids") && which.variant->skins) return "codec ids stores no joints";
     if (usesPartition(which) && which.codec != findCodec("uc"))
         return std::string("codec ") + which.codec->name + " stores joints, and palette draws need slots";
     if (which.variant->fetches && which.route->dialect == MeshDialect::none && which.fetch == VertexFetch::attributes &&

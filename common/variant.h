@@ -31,7 +31,7 @@ const Route* findRoute(const std::string& name);
 
 enum class VertexFetch { attributes, pull };
 enum class Submission { perCopy, batched };
-enum class View { shaded, meshlets, weights, tuples, velocity };
+enum class View { shaded, meshlets, weights, tuples, velocity, resolution };
 
 // Back-face culling in the mesh stage; shaders_glsl/cull.glsl says how each works.
 enum class Cull { off, compact, primitive, torabi };
@@ -161,6 +161,12 @@ bool canShuffle(const Case& which, const DeviceCaps& caps);
 
 // The stable readable name: route/variant/codec[/builder/layout][+option…], options that are the default left out.
 std::string caseId(const Case& which);
+
+// The same draws with nothing fetched and nothing skinned: what the device needs at least for such meshlets or indices,
+// in the case's raster mode. Mesh stages read meshlet descriptors and local indices, vertex stages the index buffer;
+// positions follow from numbers (codec `ids`). Meshlets are those of the builder's plain cut, back faces are left to
+// the rasteriser, and a copy of `palette` is one draw. Empty for cases that the host skins and for pre-passes.
+std::optional<Case> limitCase(const Case& which);
 
 // Nothing when the device can run the case, else the reason as the user reads it.
 std::optional<std::string> unsupported(const Case& which, const DeviceCaps& caps);

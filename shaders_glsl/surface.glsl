@@ -5,6 +5,16 @@
 #define VIEW_WEIGHTS 2
 #define VIEW_TUPLES 3
 #define VIEW_VELOCITY 4
+#define VIEW_RESOLUTION 5
+
+// A colour that tells neighbours apart: hue from the golden ratio, brightness in three steps.
+vec3 labelColor(uint label) {
+    uint mixed = label * 2654435769u;
+    float hue = float(mixed >> 8) / 16777216.0;
+    float value = 0.55 + 0.15 * float((label * 7u + 3u) % 4u);
+    vec3 wave = abs(fract(hue + vec3(0.0, 0.6666667, 0.3333333)) * 6.0 - 3.0) - 1.0;
+    return value * mix(vec3(1.0), clamp(wave, 0.0, 1.0), 0.75);
+}
 
 // One block: NVIDIA's OpenGL compiler refuses a mesh stage's outputs as separate arrays.
 #if VIEW == VIEW_SHADED
@@ -33,6 +43,23 @@ layout(location = 0) out vec4 pixel;
 #endif
 #endif
 
+#if VIEW == VIEW_RESOLUTION
+// Boxes of the grid that positions are stored on, dark and light in turn: a box is 2^level steps wide, the least that
+// covers 8 pixels, and the level chooses the hue. `unit` is the bind position within the grid, 0 to 1. Without a grid:
+// grey.
+vec3 resolutionColor(vec3 unit) {
+#ifdef POSITION_EXTENT
+    vec3 steps = unit * 65535.0;
+    vec3 slope = fwidth(steps);
+    float level = clamp(ceil(log2(8.0 * max(max(slope.x, slope.y), max(slope.z, 0.125)))), 0.0, 16.0);
+    uvec3 box = uvec3(clamp(steps, 0.0, 65535.0)) >> uint(level);
+    return labelColor(uint(level)) * (((box.x + box.y + box.z) & 1u) == 0u ? 1.0 : 0.45);
+#else
+    return vec3(0.5);
+#endif
+}
+#endif
+
 void main() {
     vec3 n = normalize(READ_NORMAL);
     float key = max(dot(n, normalize(vec3(0.45, 0.65, 0.62))), 0.0);
@@ -40,6 +67,8 @@ void main() {
     float rim = pow(1.0 - abs(n.z), 3.0);
 #if VIEW == VIEW_SHADED
     vec3 base = mix(vec3(0.72, 0.66, 0.60), vec3(0.66, 0.70, 0.74), clamp(READ_UV.y, 0.0, 1.0));
+#elif VIEW == VIEW_RESOLUTION
+    vec3 base = resolutionColor(READ_COLOR);
 #else
     vec3 base = READ_COLOR;
 #endif
@@ -47,12 +76,3 @@ void main() {
     pixel = KEEP_SURFACE(vec4(sqrt(clamp(base * light, 0.0, 1.0)), 1.0));
 }
 #endif
-
-// A colour that tells neighbours apart: hue from the golden ratio, brightness in three steps.
-vec3 labelColor(uint label) {
-    uint mixed = label * 2654435769u;
-    float hue = float(mixed >> 8) / 16777216.0;
-    float value = 0.55 + 0.15 * float((label * 7u + 3u) % 4u);
-    vec3 wave = abs(fract(hue + vec3(0.0, 0.6666667, 0.3333333)) * 6.0 - 3.0) - 1.0;
-    return value * mix(vec3(1.0), clamp(wave, 0.0, 1.0), 0.75);
-}

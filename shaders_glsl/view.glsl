@@ -1,4 +1,5 @@
-// The colour of a vertex in the debug views of `render`; white, and never read, in the shaded one.
+// The colour of a vertex in the debug views of `render`; white, and never read, in the shaded one. The view of the
+// resolution carries the place in the grid of positions instead (surface.glsl).
 #include "surface.glsl"
 #include "vertex_data.glsl"
 
@@ -30,6 +31,9 @@ vec3 viewColor(Vertex vertex, uint meshlet, bool remainder) {
     label = (((label * 31u + used.x) * 31u + used.y) * 31u + used.z) * 31u + used.w;
 #endif
     return labelColor(label);
+#elif VIEW == VIEW_RESOLUTION && defined(POSITION_EXTENT)
+    // An axis without extent has one step only.
+    return (vertex.position - POSITION_MIN) / max(POSITION_EXTENT, vec3(1e-30));
 #else
     return vec3(1.0);
 #endif

@@ -47,7 +47,7 @@ void addCommon(std::vector<Case>& cases, const Case& plain) {
 }
 
 void addViews(std::vector<Case>& cases, const Case& plain) {
-    for (View view : {View::meshlets, View::weights, View::tuples}) {
+    for (View view : {View::meshlets, View::weights, View::tuples, View::resolution}) {
         Case which = plain;
         which.view = view;
         if (onMeshRoute(which) || (view != View::meshlets && which.variant->fetches)) cases.push_back(which);
@@ -146,6 +146,11 @@ std::vector<Case> everyCase() {
                     cases.back().scenario = Scenario::prepass;
                 }
                 if (&variant == findVariant("compute")) addComputeOptions(cases, plain);
+                if (onMeshRoute(plain) && variant.skins) {
+                    cases.push_back(plain);
+                    cases.back().shape.orderedRecords = true;
+                    cases.back().shape.uniformPalette = true;
+                }
                 if (codec.name != std::string("uc16") && codec.name != std::string("pc")) continue;
                 cases.push_back(plain);
                 cases.back().influences = 8;

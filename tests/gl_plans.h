@@ -53,7 +53,7 @@ std::vector<T> readAs(Backend& backend, PlanId plan, uint32_t slot) {
     auto bytes = backend.readStream(plan, slot);
     REQUIRE(bytes);
     std::vector<T> values(bytes->size() / sizeof(T));
-    std::memcpy(values.data(), bytes->data(), bytes->size());
+    if (!values.empty()) std::memcpy(values.data(), bytes->data(), bytes->size());
     return values;
 }
 

@@ -65,6 +65,51 @@ TEST_CASE("a backend that draws nothing fails every case and is never timed") {
     }
 }
 
+TEST_CASE("rounds go on until the median is known well enough, or for kMostRounds, or until the time is up") {
+    Workload workload = tinyWorkload(1);
+    BenchSettings settings;
+    settings.frames = 4;
+    settings.rounds = 2;
+    settings.precision = 1e-12;
+    auto results = runBench(workload, {cpuCase()}, {}, settings, {});
+    REQUIRE(results);
+    CHECK(results->at(0).roundSizes == std::vector<size_t>(kMostRounds, 2));
+    CHECK(results->at(0).total.size() == kMostRounds * 2);
+
+    settings.timeLimit = 1e-9;
+    results = runBench(workload, {cpuCase()}, {}, settings, {});
+    REQUIRE(results);
+    CHECK(results->at(0).roundSizes == std::vector<size_t>{2, 2});
+
+    settings.timeLimit = 0;
+    settings.precision = 1e9;
+    results = runBench(workload, {cpuCase()}, {}, settings, {});
+    REQUIRE(results);
+    const CaseResult& result = results->at(0);
+    CHECK(result.roundSizes == std::vector<size_t>{2, 2});
+    REQUIRE(result.interval);
+    CHECK(result.interval->low <= summarise(result.total).median);
+    CHECK(result.interval->high >= summarise(result.total).median);
+}
+
+TEST_CASE("the self-test times every case twice under two names") {
+    Workload workload = tinyWorkload(1);
+    BenchSettings settings;
+    settings.frames = 6;
+    settings.selfTest = true;
+    auto results = runBench(workload, {cpuCase()}, {}, settings, {});
+    REQUIRE(results);
+    REQUIRE(results->size() == 2);
+    CHECK(results->at(0).id == "cpu/cpu/uc");
+    CHECK(results->at(1).id == "cpu/cpu/uc+again");
+    CHECK(results->at(1).isAgain);
+    for (const CaseResult& result : *results) {
+        CHECK(result.status == CaseStatus::ok);
+        CHECK(result.total.size() == 6);
+    }
+    CHECK(results->at(0).total != results->at(1).total);
+}
+
 TEST_CASE("checkpoints come after every case and round; stopping keeps what was measured") {
     Workload workload = tinyWorkload(1);
     BenchSettings settings;

@@ -207,8 +207,8 @@ TEST_CASE("inspect's JSON has the keys of its schema") {
     REQUIRE(inspection);
     const Json json = inspectJson(*inspection);
     CHECK(json["schema"] == "skinbench-inspect/1");
-    CHECK(keysOf(json) ==
-          std::set<std::string>{"schema", "scene", "settings", "warnings", "meshlets", "attributes", "codecs"});
+    CHECK(keysOf(json) == std::set<std::string>{"schema", "scene", "settings", "warnings", "meshlets", "attributes",
+                                                "codecs", "encode_all"});
     CHECK(keysOf(json["scene"]) == std::set<std::string>{"name", "vertices", "triangles", "joints", "unique_tuples",
                                                          "mean_influences", "max_influences"});
     for (const Json& row : json["meshlets"]) {
@@ -222,17 +222,35 @@ TEST_CASE("inspect's JSON has the keys of its schema") {
     for (const Json& row : json["codecs"]) {
         CHECK(keysOf(row) == std::set<std::string>{"codec", "geometry", "builder", "reason", "vertices", "memory_bytes",
                                                    "bytes_per_vertex_blend", "max_weight_error", "mean_weight_error",
-                                                   "position_error", "normal_error", "uv_error"});
+                                                   "position_error", "normal_error", "uv_error", "encode_ms"});
         CHECK(row["memory_bytes"].is_null() == row["reason"].is_string());
+        CHECK(row["encode_ms"].is_null() == row["reason"].is_string());
         if (row["reason"].is_null()) CHECK(row["memory_bytes"]["meshlet"] > 0);
     }
     CHECK(keysOf(json["attributes"]["position_error"]) == std::set<std::string>{"8", "10", "16", "21"});
+    CHECK(json["encode_all"].size() == 2 * builders().size());
+    for (const Json& total : json["encode_all"]) {
+        CHECK(keysOf(total) == std::set<std::string>{"geometry", "builder", "codecs", "encode_ms"});
+        size_t encoded = 0;
+        double sum = 0;
+        for (const Json& row : json["codecs"]) {
+            if (row["geometry"] != total["geometry"] || row["builder"] != total["builder"]) continue;
+            if (row["encode_ms"].is_null()) continue;
+            CHECK(row["encode_ms"] > 0.0);
+            sum += row["encode_ms"].get<double>();
+            ++encoded;
+        }
+        CHECK(encoded > 0);
+        CHECK(total["codecs"] == encoded);
+        CHECK_THAT(total["encode_ms"].get<double>(), WithinRel(sum, 1e-12));
+    }
 }
 
 TEST_CASE("the command inspect") {
     const program::Outcome table = program::call({"inspect", "builtin:robot:2500", "--ci-min", "16"});
     CHECK(table.status == 0);
-    for (const char* part : {"triangles/fit", "triangles/ordered", "unwelded", "octahedral", "uc"})
+    for (const char* part :
+         {"triangles/fit", "triangles/ordered", "unwelded", "octahedral", "uc", "encode ms", "encode all"})
         CHECK_THAT(table.out, ContainsSubstring(part));
     const program::Outcome json = program::call({"inspect", "builtin:robot:2500", "--json", "--meshlets", "32/40",
                                                  "--influences", "8", "--ci-key", "set", "--ci-min", "7"});

@@ -81,7 +81,7 @@ TEST_CASE("every row is found under its name") {
     CHECK(std::string(rasterName(RasterMode::full)) == "full");
     CHECK(std::string(rasterName(RasterMode::noFragments)) == "no-fragments");
     CHECK(std::string(rasterName(RasterMode::discard)) == "discard");
-    for (View view : {View::shaded, View::meshlets, View::weights, View::tuples, View::velocity})
+    for (View view : {View::shaded, View::meshlets, View::weights, View::tuples, View::velocity, View::resolution})
         CHECK(std::string(viewName(view)) != "?");
 }
 
@@ -167,9 +167,6 @@ TEST_CASE("what an option cannot do is told in one sentence") {
     mesh = makeCase("vk-ext", "mesh", "pc");
     mesh.shape.joints = JointSource::staged;
     CHECK(unsupported(mesh, able) == "codec pc has no record without joint ids");
-    mesh = makeCase("vk-ext", "mesh", "pdc16");
-    mesh.shape.orderedRecords = true;
-    CHECK(unsupported(mesh, able) == "codec pdc16 orders its vertices by the width of their differences");
     mesh = makeCase("vk-ext", "mesh");
     mesh.shape.uniformPalette = true;
     mesh.submission = Submission::batched;

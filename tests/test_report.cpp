@@ -1,9 +1,10 @@
-// The result file's contract, its CSV, table and page.
+// The result file's contract, its CSV and table.
 #include <algorithm>
 #include <limits>
 #include <sstream>
 
 #include <catch2/catch_test_macros.hpp>
+#include <catch2/matchers/catch_matchers_floating_point.hpp>
 #include <catch2/matchers/catch_matchers_string.hpp>
 #include <nlohmann/json.hpp>
 
@@ -14,6 +15,7 @@
 
 using namespace skinbench;
 using Catch::Matchers::ContainsSubstring;
+using Catch::Matchers::WithinRel;
 using Json = nlohmann::ordered_json;
 
 namespace {
@@ -64,6 +66,10 @@ std::vector<CaseResult> makeResults() {
     std::vector<CaseResult> results;
     results.push_back(makeResult(makeCase("vk-ext", "mesh"), CaseStatus::ok));
     results[0].total = {1, 2, 4, 9};
+    results[0].roundSizes = {2, 2};
+    results[0].interval = Interval{1.5, 6.5};
+    results[0].limitId = "vk-ext/none/ids/scan/redirect+ordered-records";
+    results[0].counters = Counters{.clippingPrimitives = 77, .meshInvocations = 64};
     results[0].passes = {{"draw", {1, 2, 4, 9}}};
     results[0].record = {0.25, 0.5, 0.75};
     results[0].submit = {0.125};
@@ -72,6 +78,8 @@ std::vector<CaseResult> makeResults() {
     results[0].accuracy = Accuracy{{1.5e-7, 2e-6}, 2e-6, {1.5e-7, 2e-6}, 0, "vk-ext/mesh/uc/scan/redirect"};
     results.push_back(makeResult(makeCase("gl", "compute"), CaseStatus::ok));
     results[1].total = {0.5};
+    results[1].roundSizes = {1};
+    results[1].overlapped = {0.4};
     results[1].passes = {{"skin", {0.2}}, {"draw", {0.3}}};
     results[1].memory = MemoryBytes{2048, 512, 0, 0, 0, 0, 1024};
     results[1].accuracy = Accuracy{{1e-7, 1e-6}, 2e-6, {3e-5, 4e-4}, 0.25, "vk-ext/mesh/uc/scan/redirect"};
@@ -80,6 +88,10 @@ std::vector<CaseResult> makeResults() {
     results[3].accuracy = Accuracy{{std::numeric_limits<double>::infinity(), 0.5}, 2e-6, {}, 0, {}};
     results.push_back(makeResult(makeCase("cpu", "cpu"), CaseStatus::ok));
     results[4].accuracy = Accuracy{{0, 0}, 2e-6, 0, {}};
+    results.push_back(makeResult(*limitCase(results[0].which), CaseStatus::ok));
+    results[5].isLimit = true;
+    results[5].total = {0.75, 1.25};
+    results[5].roundSizes = {1, 1};
     return results;
 }
 
@@ -129,34 +141,43 @@ TEST_CASE("the host has a name") {
 
 TEST_CASE("the result file has the keys of its schema") {
     const Json json = sample();
-    CHECK(keysOf(json) == Keys{"schema", "tool", "host", "devices", "scene", "settings", "calibrations", "cases"});
+    CHECK(keysOf(json) == Keys{"schema", "tool", "host", "devices", "scene", "settings", "environment", "warnings",
+                               "calibrations", "noise_floor", "self_test", "limits", "cases"});
     CHECK(json["schema"] == "skinbench-results/1");
     CHECK(keysOf(json["tool"]) == Keys{"version", "revision", "build_type"});
     CHECK(keysOf(json["host"]) == Keys{"os", "cpu"});
     CHECK(keysOf(json["scene"]) ==
           Keys{"name", "vertices", "triangles", "joints", "unique_tuples", "mean_influences", "max_influences"});
-    const Keys settings = {"copies", "frames", "warmup", "width",    "height",
-                           "pose",   "rounds", "seed",   "geometry", "cache_order"};
+    const Keys settings = {"copies", "frames",    "warmup",       "width", "height",   "pose",
+                           "rounds", "precision", "time_limit_s", "seed",  "geometry", "cache_order"};
     CHECK(keysOf(json["settings"]) == settings);
     REQUIRE(json["devices"].size() == 2);
     const Keys device = keysOf(json["devices"][0]);
     CHECK(Keys(device.begin(), device.begin() + 5) ==
           Keys{"route_api", "name", "driver", "software", "timestamp_period_ns"});
     for (const Json& row : json["cases"]) {
-        const Keys wanted = {"id",       "route",    "variant",  "codec",        "builder", "layout", "cull",
-                             "scenario", "raster",   "options",  "status",       "reason",  "gpu_ms", "passes_ms",
-                             "host_ms",  "limit_ms", "meshlets", "memory_bytes", "accuracy"};
+        const Keys wanted = {"id",       "route",     "variant",         "codec",        "builder",  "layout",
+                             "cull",     "scenario",  "raster",          "options",      "status",   "reason",
+                             "gpu_ms",   "passes_ms", "unserialised_ms", "host_ms",      "limit_ms", "limit_id",
+                             "achieved", "counters",  "meshlets",        "memory_bytes", "accuracy"};
         CHECK(keysOf(row) == wanted);
         for (const auto& [option, value] : row["options"].items()) CHECK(value.is_string());
     }
     const Json& row = json["cases"][0];
-    CHECK(keysOf(row["gpu_ms"]) == Keys{"mean", "median", "min", "max", "cv", "samples"});
+    CHECK(keysOf(row["gpu_ms"]) ==
+          Keys{"mean", "median", "min", "max", "p95", "cv", "interval", "outliers", "drift", "round_sizes", "samples"});
+    CHECK(keysOf(row["counters"]) == Keys{"input_vertices", "input_primitives", "vertex_invocations",
+                                          "clipping_invocations", "clipping_primitives", "fragment_invocations",
+                                          "compute_invocations", "task_invocations", "mesh_invocations",
+                                          "mesh_primitives"});
+    CHECK(keysOf(json["limits"][0]) == Keys{"id", "route", "raster", "status", "reason", "gpu_ms", "counters"});
     CHECK(keysOf(row["passes_ms"]) == Keys{"skin", "depth", "draw"});
     CHECK(keysOf(row["host_ms"]) == Keys{"record", "submit"});
     CHECK(keysOf(row["memory_bytes"]) ==
           Keys{"vertex", "index", "meshlet", "additional_meshlet", "tuple", "palette", "skinned", "total"});
     CHECK(keysOf(row["accuracy"]) == Keys{"max_position_error", "max_normal_error", "tolerance", "codec_position_error",
-                                          "codec_normal_error", "image_difference", "image_reference"});
+                                          "codec_normal_error", "codec_position_bound", "image_difference",
+                                          "image_reference"});
 }
 
 TEST_CASE("the values of the result file") {
@@ -191,6 +212,85 @@ TEST_CASE("the values of the result file") {
     CHECK(json["cases"][1]["accuracy"]["image_difference"] == 0.25);
     CHECK(json["cases"][2]["options"]["index_writes"] == "packed");
     CHECK(json["cases"][3]["options"]["vertex_fetch"] == "attributes");
+}
+
+TEST_CASE("what is measured beside a case") {
+    RunContext context = makeContext();
+    context.copyBandwidth[Api::vulkan] = 5e11;
+    const Json json = resultsJson(context, makeResults());
+    const Json& mesh = json["cases"][0];
+    CHECK(mesh["gpu_ms"]["interval"] == Json{1.5, 6.5});
+    CHECK(mesh["gpu_ms"]["round_sizes"] == Json{2, 2});
+    CHECK(mesh["gpu_ms"]["drift"]["relative"] == 5 / 3.0);
+    CHECK(mesh["limit_ms"] == 1);
+    CHECK(mesh["limit_id"] == json["limits"][0]["id"]);
+    CHECK(json["cases"].size() == 5);
+    CHECK(mesh["counters"]["clipping_primitives"] == 77);
+    CHECK(mesh["counters"]["mesh_invocations"] == 64);
+    CHECK(mesh["counters"]["input_vertices"].is_null());
+    CHECK(mesh["unserialised_ms"].is_null());
+    CHECK(json["cases"][1]["unserialised_ms"]["median"] == 0.4);
+    CHECK(json["cases"][1]["limit_ms"].is_null());
+    // 200 triangles and 1024 bytes, 7 copies, 3 ms.
+    CHECK_THAT(mesh["achieved"]["triangles_per_s"].get<double>(), WithinRel(1400 / 3e-3, 1e-12));
+    CHECK_THAT(mesh["achieved"]["bytes_per_s"].get<double>(), WithinRel(7168 / 3e-3, 1e-12));
+    CHECK(json["devices"][0]["peak"]["copy_bytes_per_s"] == 5e11);
+    CHECK_THAT(json["devices"][0]["peak"]["triangles_per_s"].get<double>(), WithinRel(1400 / 1e-3, 1e-12));
+    CHECK(json["devices"][1]["peak"].is_null());
+    CHECK(json["noise_floor"].is_null());
+    CHECK(json["self_test"].is_null());
+}
+
+TEST_CASE("warnings: clocks that moved, a build that is no release, rounds that drifted") {
+    RunContext context = makeContext();
+    const std::vector<CaseResult> none;
+    CHECK(figureWarnings(context, none).empty());
+    DeviceState before{.device = "GPU", .smClockMhz = 2000}, after = before;
+    after.smClockMhz = 1970;
+    context.deviceStates = {{before}, {after}};
+    CHECK(figureWarnings(context, none).empty());
+    context.deviceStates[1][0].smClockMhz = 1900;
+    REQUIRE(figureWarnings(context, none).size() == 1);
+    CHECK_THAT(figureWarnings(context, none)[0], ContainsSubstring("from 2000 to 1900 MHz"));
+    context.deviceStates.clear();
+    context.buildType = "Debug";
+    REQUIRE(figureWarnings(context, none).size() == 1);
+    CHECK_THAT(figureWarnings(context, none)[0], ContainsSubstring("Debug build"));
+    context.buildType = "Release";
+    std::vector<CaseResult> results{makeResult(makeCase("vk", "vertex"), CaseStatus::ok)};
+    for (int i = 0; i < 20; ++i) results[0].total.push_back(i < 10 ? 1 + i * 1e-4 : 1.1 + i * 1e-4);
+    results[0].roundSizes = {10, 10};
+    REQUIRE(figureWarnings(context, results).size() == 1);
+    CHECK_THAT(figureWarnings(context, results)[0], ContainsSubstring("1 of 1 cases drifted"));
+    for (double& sample : results[0].total) sample = 1;
+    CHECK(figureWarnings(context, results).empty());
+}
+
+TEST_CASE("the self-test tells the largest difference of equal cases") {
+    RunContext context = makeContext();
+    context.bench.selfTest = true;
+    std::vector<CaseResult> results;
+    auto addPair = [&](const Case& which, double a, double b, double width) {
+        for (double value : {a, b}) {
+            results.push_back(makeResult(which, CaseStatus::ok));
+            results.back().total = {value, value};
+            results.back().roundSizes = {1, 1};
+            results.back().interval = Interval{value - width, value + width};
+        }
+        results.back().isAgain = true;
+    };
+    addPair(makeCase("vk", "vertex"), 2, 2.004, 0.003);
+    addPair(makeCase("vk", "compute"), 4, 4.008, 0.0005);
+    addPair(makeCase("cpu", "cpu"), 1, 3, 0.1);
+    REQUIRE(noiseFloor(results));
+    CHECK_THAT(*noiseFloor(results), WithinRel(0.002, 1e-9));
+    const Json json = resultsJson(context, results);
+    CHECK_THAT(json["noise_floor"].get<double>(), WithinRel(0.002, 1e-9));
+    REQUIRE(json["self_test"].size() == 3);
+    CHECK(json["self_test"][0]["equal"] == true);
+    CHECK(json["self_test"][1]["equal"] == false);
+    CHECK(json["self_test"][2]["a_ms"] == 1);
+    CHECK(json["self_test"][2]["b_ms"] == 3);
 }
 
 TEST_CASE("null stands where nothing applies") {
@@ -323,31 +423,4 @@ TEST_CASE("what is no result file is told with its path") {
         json["cases"][0][group] = 5;
         refused(fixture::writeText("figure.json", json.dump()), group);
     }
-}
-
-TEST_CASE("the page holds every case, escapes names and refers to nothing outside") {
-    Json second = sample();
-    second["scene"]["name"] = "second";
-    const std::string page = reportHtml({sample(), second});
-    for (const Json& row : second["cases"]) CHECK_THAT(page, ContainsSubstring(row["id"].get<std::string>()));
-    CHECK_THAT(page, ContainsSubstring("hero, &quot;the&quot; &lt;b&gt;&amp;amp;"));
-    CHECK_THAT(page, ContainsSubstring("<h2>second</h2>"));
-    CHECK_THAT(page, ContainsSubstring("Lava &lt;pipe&gt; &amp; co"));
-    CHECK_THAT(page, ContainsSubstring("off by &quot;1&quot;, &lt;far&gt;"));
-    CHECK_THAT(page, ContainsSubstring("software driver"));
-    for (const char* outside : {"http://", "https://", "<b>&", "<pipe>", "<far>", "src=", "href=", "url(", "@import",
-                                "<script", "<link", "<img"})
-        CHECK(page.find(outside) == std::string::npos);
-    CHECK(page.starts_with("<!doctype html>"));
-    CHECK(page.ends_with("</html>\n"));
-    // A chart of the two timed cases in each of two files; raster modes that nobody asked for have none.
-    auto count = [&](const std::string& text) {
-        size_t found = 0;
-        for (size_t at = page.find(text); at != std::string::npos; at = page.find(text, at + 1)) ++found;
-        return found;
-    };
-    CHECK(count("class=chart>") == 2);
-    CHECK(count("class=\"bar software\"") == 2);
-    CHECK(count("class=\"bar\"") == 2);
-    CHECK(count("<tr><td>") == 10);
 }

@@ -1,0 +1,41 @@
+#include "tests/drivers.h"
+
+#include <iostream>
+
+namespace skinbench {
+namespace {
+
+struct Opened {
+    std::vector<std::unique_ptr<Backend>> owned;
+    Backends byApi;
+};
+
+}  // namespace
+
+const Backends& openedBackends() {
+    static const Opened opened = [] {
+        Opened all;
+        const BackendOptions options{.device = {}, .validation = true};
+        auto keep = [&](Api api, Result<std::unique_ptr<Backend>> backend) {
+            if (!backend) {
+                all.byApi[api].missing = backend.error().text;
+                std::cerr << "no driver: " << backend.error().text << "\n";
+                return;
+            }
+            all.byApi[api].backend = backend->get();
+            all.owned.push_back(std::move(*backend));
+        };
+        keep(Api::vulkan, openVulkan(options));
+        keep(Api::opengl, openGl(options));
+        return all;
+    }();
+    return opened.byApi;
+}
+
+bool anyDriver() {
+    for (const auto& [api, open] : openedBackends())
+        if (open.backend) return true;
+    return false;
+}
+
+}  // namespace skinbench

@@ -1,0 +1,179 @@
+// What is measured beside the cases: limits, counters, overlapped passes, bandwidth.
+#include <catch2/catch_test_macros.hpp>
+
+#include <algorithm>
+
+#include "common/image.h"
+#include "common/peaks.h"
+#include "tests/cases.h"
+#include "tests/drivers.h"
+
+using namespace skinbench;
+
+namespace {
+
+constexpr uint32_t kCopies = 3;
+
+Case caseOn(const char* route, const char* variant) {
+    Case which;
+    which.route = findRoute(route);
+    which.variant = findVariant(variant);
+    which.codec = findCodec("uc");
+    if (which.route->dialect != MeshDialect::none) {
+        which.builder = findBuilder("meshopt");
+        which.layout = findMeshletLayout("redirect");
+    }
+    return which;
+}
+
+// Those that this machine's drivers run.
+std::vector<Case> offered(std::initializer_list<Case> cases) {
+    std::vector<Case> there;
+    for (const Case& which : cases) {
+        const Backend* backend = openedBackends().at(which.route->api).backend;
+        if (backend && !unsupported(which, backend->caps())) there.push_back(which);
+    }
+    return there;
+}
+
+BenchSettings fewFrames() {
+    BenchSettings settings;
+    settings.frames = 4;
+    settings.rounds = 2;
+    return settings;
+}
+
+struct Drawn {
+    Image timed, overlapped;
+    std::vector<Timing> overlap;
+};
+
+Drawn drawBothWays(Workload& workload, const Case& which, Backend& backend) {
+    auto input = planInput(workload, which);
+    REQUIRE(input);
+    auto plan = makePlan(which, *input, backend.caps());
+    REQUIRE(plan);
+    auto id = backend.prepare(*plan);
+    REQUIRE(id);
+    auto frame = makeFrame(workload, which.influences, 0);
+    REQUIRE(frame);
+    const std::vector<FrameInput> inputs(2, {frame->constants, std::as_bytes(std::span(frame->palettes)), {}});
+    Drawn drawn;
+    REQUIRE(backend.run(*id, inputs));
+    drawn.timed = *backend.readImage(*id);
+    auto overlap = backend.run(*id, inputs, RunMode::overlap);
+    REQUIRE(overlap);
+    drawn.overlap = *overlap;
+    drawn.overlapped = *backend.readImage(*id);
+    backend.release(*id);
+    return drawn;
+}
+
+}  // namespace
+
+TEST_CASE("limits are verified and timed beside the cases, each once") {
+    if (!anyDriver()) SKIP("no Vulkan and no OpenGL driver on this machine");
+    Workload workload = tinyWorkload(kCopies);
+    Case discard = caseOn("vk", "vertex");
+    discard.raster = RasterMode::discard;
+    Case prepass = caseOn("vk", "vertex");
+    prepass.scenario = Scenario::prepass;
+    const std::vector<Case> cases =
+        offered({caseOn("vk", "vertex"), caseOn("vk", "compute"), discard, prepass, caseOn("gl", "vertex"),
+                 caseOn("vk-ext", "mesh"), caseOn("vk-ext", "mesh-ci"), caseOn("gl-ext", "mesh")});
+    BenchSettings settings = fewFrames();
+    settings.limits = true;
+    auto results = runBench(workload, cases, openedBackends(), settings, {});
+    REQUIRE(results);
+    std::vector<std::string> limits;
+    for (const CaseResult& result : *results) {
+        INFO(result.id << ": " << result.reason);
+        CHECK(result.status == CaseStatus::ok);
+        CHECK(result.total.size() == 4);
+        if (result.isLimit) {
+            CHECK(std::ranges::find(limits, result.id) == limits.end());
+            limits.push_back(result.id);
+            CHECK(result.memory->vertex == 0);
+        }
+    }
+    for (const CaseResult& result : *results) {
+        if (result.isLimit) continue;
+        INFO(result.id);
+        const bool expected = result.which.scenario == Scenario::direct;
+        CHECK(expected == (std::ranges::find(limits, result.limitId) != limits.end()));
+    }
+}
+
+TEST_CASE("counters agree with what the plan draws") {
+    if (!anyDriver()) SKIP("no Vulkan and no OpenGL driver on this machine");
+    Workload workload = tinyWorkload(kCopies);
+    const std::vector<Case> cases = offered({caseOn("vk", "vertex"), caseOn("gl", "vertex"), caseOn("vk", "compute"),
+                                             caseOn("gl", "compute"), caseOn("vk-ext", "mesh")});
+    auto results = runBench(workload, cases, openedBackends(), fewFrames(), {});
+    REQUIRE(results);
+    size_t counted = 0;
+    for (const CaseResult& result : *results) {
+        INFO(result.id << ": " << result.reason);
+        REQUIRE(result.status == CaseStatus::ok);
+        const DeviceCaps& caps = openedBackends().at(result.which.route->api).backend->caps();
+        CHECK(result.counters.has_value() == caps.pipelineStatistics);
+        if (!result.counters) continue;
+        const Mesh& mesh = workload.prepared.at(4)->mesh;
+        const uint64_t triangles = mesh.indices.size() / 3 * kCopies;
+        const Counters& c = *result.counters;
+        if (result.which.builder) {
+            CHECK_FALSE(c.inputVertices);
+            CHECK_FALSE(c.vertexInvocations);
+            CHECK(c.meshPrimitives.has_value() == caps.meshCounters);
+            if (c.meshPrimitives) CHECK(*c.meshPrimitives == triangles);
+            if (c.meshInvocations) CHECK(*c.meshInvocations >= uint64_t{result.meshlets} * kCopies);
+        } else {
+            REQUIRE(c.inputPrimitives);
+            CHECK(*c.inputPrimitives == triangles);
+            CHECK(*c.inputVertices == triangles * 3);
+            CHECK(*c.vertexInvocations >= mesh.positions.size() * kCopies / 2);
+            CHECK_FALSE(c.meshPrimitives);
+        }
+        CHECK(c.computeInvocations.has_value() == (result.which.variant == findVariant("compute")));
+        if (c.computeInvocations) CHECK(*c.computeInvocations >= mesh.positions.size() * kCopies);
+        CHECK(c.fragmentInvocations.value_or(0) > 0);
+        ++counted;
+    }
+    if (counted == 0) SKIP("no driver here counts");
+}
+
+TEST_CASE("passes that overlap draw the same image, and are timed as one") {
+    if (!anyDriver()) SKIP("no Vulkan and no OpenGL driver on this machine");
+    Workload workload = tinyWorkload(kCopies);
+    Case prepassVk = caseOn("vk", "compute"), prepassGl = caseOn("gl", "vertex"),
+         prepassMesh = caseOn("vk-ext", "mesh");
+    for (Case* which : {&prepassVk, &prepassGl, &prepassMesh}) which->scenario = Scenario::prepass;
+    const std::vector<Case> cases =
+        offered({caseOn("vk", "compute"), caseOn("gl", "compute"), prepassVk, prepassGl, prepassMesh});
+    for (const Case& which : cases) {
+        INFO(caseId(which));
+        Backend& backend = *openedBackends().at(which.route->api).backend;
+        const Drawn drawn = drawBothWays(workload, which, backend);
+        CHECK(compareImages(drawn.timed, drawn.overlapped, 0).fraction == 0);
+        for (const Timing& timing : drawn.overlap) CHECK(timing.passes.size() == 1);
+        CHECK(backend.takeMessages().empty());
+    }
+    auto results = runBench(workload, cases, openedBackends(), fewFrames(), {});
+    REQUIRE(results);
+    for (const CaseResult& result : *results) {
+        INFO(result.id << ": " << result.reason);
+        CHECK(result.overlapped.size() == result.total.size());
+    }
+}
+
+TEST_CASE("the copy bandwidth of a device is measured") {
+    if (!anyDriver()) SKIP("no Vulkan and no OpenGL driver on this machine");
+    for (const auto& [api, open] : openedBackends()) {
+        if (!open.backend) continue;
+        auto bandwidth = measureCopyBandwidth(*open.backend, testShaders());
+        INFO((bandwidth ? "" : bandwidth.error().text));
+        REQUIRE(bandwidth);
+        CHECK(*bandwidth > 1e6);
+        CHECK(open.backend->takeMessages().empty());
+    }
+}
