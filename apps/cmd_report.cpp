@@ -1,3 +1,5 @@
+#include <filesystem>
+
 #include <nlohmann/json.hpp>
 
 #include "apps/apps.h"
@@ -7,19 +9,14 @@ namespace skinbench {
 
 int runReport(const std::vector<std::string>& files, const std::string& out) {
     std::vector<nlohmann::ordered_json> results;
+    std::vector<std::string> names;
     for (const std::string& file : files) {
         auto loaded = loadResults(file);
         if (!loaded) return reportError(loaded.error());
         results.push_back(std::move(*loaded));
+        names.push_back(std::filesystem::path(file).filename().string());
     }
-    std::string page;
-    try {
-        page = reportHtml(results);
-    } catch (const nlohmann::json::exception& error) {
-        return reportError(
-            {Fault::input, "a result file holds a value of the wrong kind: " + std::string(error.what())});
-    }
-    auto written = writeWholeFile(out, page);
+    auto written = writeWholeFile(out, reportHtml(results, names));
     return written ? kExitDone : reportError(written.error());
 }
 

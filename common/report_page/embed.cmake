@@ -1,0 +1,19 @@
+# Writes the page, with its style and scripts put in, as a C++ string.
+# usage: cmake -D OUT=report_page.cpp -D "D3=a.min.js;b.min.js" -P embed.cmake
+set(folder ${CMAKE_CURRENT_LIST_DIR})
+file(READ ${folder}/page.html page)
+foreach(name page.css D3_LICENSE model.js charts.js table.js findings.js measured.js context.js page.js)
+    file(READ ${folder}/${name} text)
+    string(REPLACE "{{${name}}}" "${text}" page "${page}")
+endforeach()
+set(scripts "")
+foreach(file ${D3})
+    file(READ ${file} text)
+    string(APPEND scripts "${text}\n")
+endforeach()
+string(REPLACE "{{d3}}" "${scripts}" page "${page}")
+file(WRITE ${OUT} "namespace skinbench {
+extern const char kReportPage[];
+const char kReportPage[] = R\"page(${page})page\";
+}
+")
