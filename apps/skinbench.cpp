@@ -87,6 +87,15 @@ void addSelectors(CLI::App& command, Selectors& s) {
         ->each([&s](const std::string&) { s.warmupGiven = true; });
     command.add_option("--rounds", s.rounds, "rounds that share the frames (default: by device)")
         ->check(CLI::Range(1u, 1'000u));
+    command
+        .add_option("--precision", s.precision,
+                    "percent: rounds go on until the 95 % interval of each median has this half-width, 0: no more than "
+                    "--rounds (default: 1)")
+        ->check(kFinite & CLI::NonNegativeNumber);
+    command
+        .add_option("--time-limit", s.timeLimit,
+                    "seconds after which no more rounds begin for --precision, 0: none (default: by device)")
+        ->check(kFinite & CLI::NonNegativeNumber);
     command.add_option("--size", s.size, "WIDTHxHEIGHT of the image")->capture_default_str();
     command.add_option("--preset", s.preset, presetWords() + ": copies, frames and raster modes");
     command.add_option("--seed", s.seed, "of the order of cases")->capture_default_str();
@@ -115,6 +124,9 @@ void addRun(CLI::App& program, int& status, bool timed) {
     command->add_option("--out", options->out, "folder of results.json, results.csv and report.html")
         ->capture_default_str();
     command->add_flag("--json", options->json, "print the result file instead of a table");
+    if (timed)
+        command->add_flag("--self-test", options->selectors.selfTest,
+                          "time every case twice under two names and tell how far equal ones differ");
     command->callback([options, &status] { status = runCases(*options); });
 }
 
@@ -126,7 +138,8 @@ void addRender(CLI::App& program, int& status) {
     command->add_option("--route", options->route, selectorWords("routes") + ", or auto")->capture_default_str();
     command->add_option("--variant", options->variant, "default: mesh or vertex, as the route allows");
     command->add_option("--codec", options->codec, selectorWords("codecs"))->capture_default_str();
-    command->add_option("--view", options->view, "shaded, meshlets, weights, tuples, velocity")->capture_default_str();
+    command->add_option("--view", options->view, "shaded, meshlets, weights, tuples, velocity, resolution")
+        ->capture_default_str();
     command->add_option("--time", s.seconds, "seconds into the animation")
         ->check(kFinite & CLI::Range(0.0, 1e6))
         ->capture_default_str();
@@ -206,6 +219,44 @@ void addReport(CLI::App& program, int& status) {
     command->callback([options, &status] { status = runReport(options->files, options->out); });
 }
 
+void addCompare(CLI::App& program, int& status) {
+    auto options = std::make_shared<CompareOptions>();
+    CLI::App* command = program.add_subcommand("compare", "which cases differ between two result files, beyond noise");
+    command->add_option("A", options->a, "the results.json to compare with")->required();
+    command->add_option("B", options->b, "the results.json that is compared")->required();
+    command
+        ->add_option("--fail-above", options->failAbove, "exit 1 when a case is slower by this many percent, or fails")
+        ->check(kFinite)
+        ->check(CLI::NonNegativeNumber);
+    command->add_flag("--json", options->json, "print JSON");
+    command->callback([options, &status] { status = runCompare(*options); });
+}
+
+void addReproduce(CLI::App& program, int& status) {
+    auto options = std::make_shared<ReproduceOptions>();
+    CLI::App* command =
+        program.add_subcommand("reproduce", "the tables and figures of a thesis, published beside ours");
+    Selectors& s = options->selectors;
+    command->add_option("thesis", options->thesis, "torabi or kimmersdorfer")->required();
+    command->add_option("scenes", options->scenes,
+                        "glTF files or builtin:NAME[:VERTICES] (default: every built-in scene)");
+    command->add_option("--routes", s.routes, selectorWords("routes") + " (default: all)")
+        ->delimiter(',')
+        ->allow_extra_args(false);
+    command->add_option("--copies", s.copies, "characters, each with memory of its own (default: by device)")
+        ->check(CLI::Range(1u, 1'000'000u));
+    command->add_option("--frames", s.frames, "timed frames of a case (default: by device)")
+        ->check(CLI::Range(1u, 100'000u));
+    command->add_option("--rounds", s.rounds, "rounds that share the frames (default: by device)")
+        ->check(CLI::Range(1u, 1'000u));
+    command->add_option("--size", s.size, "WIDTHxHEIGHT of the image")->capture_default_str();
+    command->add_option("--device", s.device, "number or part of the name; see probe");
+    command->add_option("--out", options->out, "folder of reproduce.md, reproduce.html and reproduce.json")
+        ->capture_default_str();
+    command->add_flag("--json", options->json, "print reproduce.json instead of the short table");
+    command->callback([options, &status] { status = runReproduce(*options); });
+}
+
 int runProgram(int argc, char** argv) {
     CLI::App program{"Compares skinning on this machine's GPUs: vertex, compute and mesh shaders, Vulkan and OpenGL.",
                      "skinbench"};
@@ -220,6 +271,8 @@ int runProgram(int argc, char** argv) {
     addScene(program, status);
     addPartition(program, status);
     addReport(program, status);
+    addReproduce(program, status);
+    addCompare(program, status);
     try {
         program.parse(argc, argv);
     } catch (const CLI::ParseError& error) {

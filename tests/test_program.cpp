@@ -64,6 +64,8 @@ TEST_CASE("version and help") {
                                {"render", "--help"},
                                {"partition", "--help"},
                                {"report", "--help"},
+                               {"reproduce", "--help"},
+                               {"compare", "--help"},
                                {"scene", "--help"}}) {
         const Outcome help = call(words);
         CHECK(help.status == 0);
@@ -124,6 +126,17 @@ TEST_CASE("words that do not exist") {
         {{"partition", "builtin:robot:2000", "--order", "best"}, 2, "no order 'best'; there is given, size, lexico"},
         {{"partition", "builtin:robot:2000", "--hardware", "vs1", "--slots", "9"}, 2, "vs1 has 28"},
         {{"report"}, 2, "files"},
+        {{"reproduce"}, 2, "thesis"},
+        {{"reproduce", "knuth"}, 2, "no thesis 'knuth'; there is torabi, kimmersdorfer"},
+        {{"reproduce", "torabi", "--routes", "vk,dx"}, 2, "no route 'dx'; there is vk"},
+        {{"reproduce", "kimmersdorfer", "--routes", "cpu"}, 2, "none of these variants exists"},
+        {{"compare"}, 2, "A"},
+        {{"compare", "a.json"}, 2, "B"},
+        {{"compare", "a.json", "b.json", "c.json"}, 2, "c.json"},
+        {{"compare", "a.json", "b.json", "--fail-above"}, 2, "--fail-above"},
+        {{"compare", "a.json", "b.json", "--fail-above", "much"}, 2, "--fail-above"},
+        {{"compare", "a.json", "b.json", "--fail-above", "-1"}, 2, "--fail-above"},
+        {{"compare", "a.json", "b.json", "--fail-above", "nan"}, 2, "--fail-above"},
     });
     CHECK(!fs::exists(pathOf("results")));
 }
@@ -174,6 +187,9 @@ TEST_CASE("bad numbers") {
         {{"bench", "--size", "16385x16"}, 2, "1 to 16384"},
         {{"bench", "--size", "99999999999x2"}, 2, "size"},
         {{"partition", "builtin:robot:2000", "--slots", "0"}, 2, "--slots"},
+        {{"reproduce", "torabi", "--copies", "0"}, 2, "--copies"},
+        {{"reproduce", "torabi", "--rounds", "none"}, 2, "--rounds"},
+        {{"reproduce", "torabi", "--size", "64"}, 2, "size '64'"},
         {{"partition", "builtin:robot:2000", "--slots", "65536"}, 2, "--slots"},
         {{"partition", "builtin:robot:2000", "--influences", "5"}, 2, "influences must be 4 or 8"},
         {{"render", "builtin:robot:2000", "--yaw", "sideways", "-o", "x.png"}, 2, "--yaw"},
@@ -227,6 +243,7 @@ TEST_CASE("files that are no scene") {
     calls.push_back({{"scene", "export", "cat", "y.glb"}, 2, "there is no built-in scene"});
     calls.push_back({{"partition", "missing.glb"}, 2, "no such file"});
     calls.push_back({{"render", "missing.glb", "--route", "vk", "-o", "y.png"}, 2, "no such file"});
+    calls.push_back({{"reproduce", "torabi", "builtin:robot:2000", "missing.glb", "--out", "y"}, 2, "no such file"});
     calls.push_back({{"bench", "missing.glb", "--routes", "cpu", "--out", "y"}, 2, "no such file"});
     checkRefused(calls);
     for (const char* name : {"y.glb", "y.png", "y"}) CHECK(!fs::exists(pathOf(name)));
@@ -293,6 +310,7 @@ TEST_CASE("outputs that cannot be written") {
         {{"scene", "export", "builtin:robot:2000", "."}, 2, "folder"},
         {{"render", "builtin:robot:2000", "--route", "cpu", "-o", "x.png"}, 1, "draws nothing"},
         {{"render", "builtin:robot:2000", "--route", "vk", "--size", "64x64", "-o", "plain/x.png"}, 2, "plain/x.png"},
+        {{"reproduce", "torabi", "builtin:robot:2000", "--out", "plain/below"}, 2, "plain/below"},
     });
     CHECK(*readWholeFile(pathOf("plain")) == "x");
     // Standard output on a full disk.
@@ -306,6 +324,7 @@ TEST_CASE("what the machine cannot do has status 1") {
         {{"verify", "builtin:robot:2000", "--routes", "vk", "--device", "voodoo"}, 1, "voodoo"},
         {{"verify", "builtin:robot:2000", "--routes", "vk,gl", "--device", "77"}, 1, "77"},
         {{"probe", "--device", "voodoo"}, 1, "voodoo"},
+        {{"reproduce", "torabi", "--device", "voodoo"}, 1, "voodoo"},
         {{"render", "builtin:robot:2000", "--route", "vk", "--device", "voodoo", "-o", "v.png"}, 1, "voodoo"},
     });
     CHECK(!fs::exists(pathOf("v.png")));
@@ -341,6 +360,8 @@ TEST_CASE("files that are no results") {
         {{"report", "other.json"}, 2, "schema"},
         {{"report", "bare.json"}, 2, "bare.json: is not a whole result file"},
         {{"report", "wrong.json"}, 2, "wrong.json: is not a whole result file"},
+        {{"compare", "missing.json", "missing.json"}, 2, "missing.json"},
+        {{"compare", "wrong.json", "empty.json"}, 2, "wrong.json: is not a whole result file"},
     });
     CHECK(!fs::exists(pathOf("report.html")));
 }
@@ -460,6 +481,29 @@ TEST_CASE("bench writes what it prints, and report makes a page of it") {
     CHECK(made->size() > page->size());
     fixture::writeText("plain", "x");
     checkRefused(call({"report", "run/deep/results.json", "-o", "plain/r.html"}), 2, "plain/r.html");
+
+    // Two samples a case tell nothing; a case that fails is worse.
+    const Words compare = {"compare", "run/deep/results.json", "run/deep/results.json"};
+    const Outcome same = call(compare);
+    CHECK(same.status == 0);
+    CHECK(same.err == "");
+    CHECK_THAT(same.out, ContainsSubstring("not told, fewer than 6 samples"));
+    CHECK(same.out.find("differs") == std::string::npos);
+    json broken = printed;
+    for (json& row : broken["cases"])
+        if (row["route"] == "cpu") row["status"] = "failed", row["reason"] = "wrong";
+    fixture::writeText("broken_cases.json", broken.dump());
+    const Outcome worse =
+        call({"compare", "run/deep/results.json", "broken_cases.json", "--fail-above", "5", "--json"});
+    CHECK(worse.status == 1);
+    CHECK(linesOf(worse.err).size() == 1);
+    CHECK_THAT(worse.err, ContainsSubstring("skinbench: 1 of ") && ContainsSubstring("is ok in A and failed in B"));
+    const json compared = json::parse(worse.out, nullptr, false);
+    REQUIRE(compared.is_object());
+    CHECK(compared["schema"] == "skinbench-compare/1");
+    CHECK(compared["cases"].size() == printed["cases"].size());
+    CHECK(call({"compare", "run/deep/results.json", "broken_cases.json"}).status == 0);
+    CHECK(call({"compare", "broken_cases.json", "run/deep/results.json", "--fail-above", "0"}).status == 0);
 
     // Any key of the file may be missing or of another kind: an error or a page, never a crash.
     size_t refused = 0;
