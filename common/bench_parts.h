@@ -2,6 +2,7 @@
 #pragma once
 
 #include "common/bench.h"
+#include "common/verify.h"
 
 namespace skinbench {
 
@@ -28,8 +29,9 @@ struct Runner {
     const BenchSettings& settings;
     const BenchEvents& events;
     std::vector<CaseResult> results;
-    std::map<std::string, std::pair<std::string, Image>> firstImages;  // by what a picture depends on
-    std::map<std::string, size_t> verifiedAs;                          // id without the raster mode -> result
+    std::map<std::string, std::pair<std::string, Image>> firstImages;      // by what a picture depends on
+    std::map<std::string, size_t> verifiedAs;                              // id without the raster mode -> result
+    std::map<std::pair<const EncodedMesh*, bool>, References> references;  // of frame 0; bool: skinned
 };
 
 struct DrawnFrame {

@@ -39,23 +39,33 @@ static SkinnedReference repeat(const SkinnedReference& reference, const std::vec
     return repeated;
 }
 
-CapturedError capturedError(const Case& which, const PlanInput& input, const FrameData& frame,
-                            std::span<const SkinnedVertex> captured) {
+References makeReferences(const Case& which, const PlanInput& input, const FrameData& frame) {
     const Mesh& mesh = input.scene->mesh;
-    const size_t vertices = input.encoded->vertexCount;
-    SKINBENCH_ASSERT(captured.size() == vertices * 2);
     const std::vector<uint32_t> sources = sourcesOf(input);
     const bool lossy = input.encoded->decode != nullptr;
     const Mesh decoded = lossy ? input.encoded->decode() : Mesh{};
+    References references;
+    for (uint32_t number = 0; number < input.copies; number += std::max(1u, input.copies - 1)) {
+        const Palette palette = paletteOfCopy(frame, input.copies, number);
+        References::Copy& copy = references.copies.emplace_back();
+        copy.diagonal = std::max<double>(posedBounds(mesh, palette).diagonal(), 1e-30);
+        copy.source = repeat(referenceOf(which, mesh, palette), sources);
+        if (lossy) copy.decoded = referenceOf(which, decoded, palette);
+    }
+    references.bound = codecPositionBound(which, input, frame);
+    return references;
+}
+
+CapturedError capturedError(const References& references, std::span<const SkinnedVertex> captured) {
     CapturedError worst;
-    for (uint32_t copy : {0u, input.copies - 1}) {
-        const Palette palette = paletteOfCopy(frame, input.copies, copy);
-        const double diagonal = std::max<double>(posedBounds(mesh, palette).diagonal(), 1e-30);
-        const auto part = captured.subspan(copy == 0 ? 0 : vertices, vertices);
-        const SkinnedReference reference = repeat(referenceOf(which, mesh, palette), sources);
-        const SkinError source = compareSkinned(reference, part, diagonal);
+    const size_t vertices = captured.size() / 2;
+    for (size_t i = 0; i < references.copies.size(); ++i) {
+        const References::Copy& copy = references.copies[i];
+        SKINBENCH_ASSERT(copy.source.positions.size() == vertices);
+        const auto part = captured.subspan(i * vertices, vertices);
+        const SkinError source = compareSkinned(copy.source, part, copy.diagonal);
         worst.source = larger(worst.source, source);
-        const SkinError own = lossy ? compareSkinned(referenceOf(which, decoded, palette), part, diagonal) : source;
+        const SkinError own = copy.decoded ? compareSkinned(*copy.decoded, part, copy.diagonal) : source;
         worst.decoded = larger(worst.decoded, own);
     }
     return worst;

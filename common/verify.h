@@ -3,6 +3,7 @@
 
 #include <optional>
 #include <span>
+#include <vector>
 
 #include "common/skin_cpu.h"
 #include "common/variant.h"
@@ -15,10 +16,22 @@ struct CapturedError {
     SkinError source;   // against the reference skinned from the scene's own vertices
 };
 
-// `captured` holds the encoded vertices of the first copy, then those of the last one, as `frame` poses them. A single
-// copy is captured in the first half only.
-CapturedError capturedError(const Case& which, const PlanInput& input, const FrameData& frame,
-                            std::span<const SkinnedVertex> captured);
+// What captured vertices are compared with in one pose. It depends on the encoded vertices and on whether the variant
+// skins, not on the route or the device.
+struct References {
+    struct Copy {
+        double diagonal = 0;                      // of the posed bounding box
+        SkinnedReference source;                  // by encoded vertex
+        std::optional<SkinnedReference> decoded;  // empty: the codec loses nothing
+    };
+    std::vector<Copy> copies;     // the first and the last one; a single copy once
+    std::optional<double> bound;  // codecPositionBound
+};
+References makeReferences(const Case& which, const PlanInput& input, const FrameData& frame);
+
+// `captured` holds the encoded vertices of the first copy, then those of the last one, as the references' frame poses
+// them. A single copy is captured in the first half only.
+CapturedError capturedError(const References& references, std::span<const SkinnedVertex> captured);
 
 // The largest CapturedError::source.position that the codec's bounds (CodecBounds) and the joint transforms of `frame`
 // allow, over the vertices that capturedError compares; 0 for a codec that loses nothing. What the variant's own

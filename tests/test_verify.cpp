@@ -45,7 +45,7 @@ struct Figures {
 Figures figuresOf(const Case& which, const PlanInput& input, const FrameData& frame) {
     const auto bound = codecPositionBound(which, input, frame);
     REQUIRE(bound);
-    return {capturedError(which, input, frame, skinDecoded(input, frame)).source.position, *bound};
+    return {capturedError(makeReferences(which, input, frame), skinDecoded(input, frame)).source.position, *bound};
 }
 
 Workload workloadOf(Result<Scene> scene) {
