@@ -3,6 +3,7 @@
 
 usage: tools/results_table.py RESULTS.json… [--baseline CASE_PREFIX]     (default: vk/vertex/uc, the same raster mode)
 """
+import collections
 import json
 import os
 import sys
@@ -14,6 +15,8 @@ def rows(results, baseline):
         suffix = "" if case["raster"] == "full" else "+" + case["raster"]
         base = median.get(baseline + suffix)
         times = case["gpu_ms"]
+        if case["status"] == "skipped":
+            continue
         if not times:
             yield f"| `{case['id']}` | – | – | – | – | – | {case['status']}: {case['reason']} |"
             continue
@@ -42,6 +45,11 @@ def main(arguments):
         print(f"| case | median ms | cv % | ratio to `{baseline}` | KiB a copy | position error | status |")
         print("|---|---:|---:|---:|---:|---:|---|")
         print("\n".join(rows(results, baseline)) + "\n")
+        skipped = collections.Counter(case["reason"] for case in results["cases"] if case["status"] == "skipped")
+        for reason, count in skipped.items():
+            print(f"- {count} skipped: {reason}")
+        if skipped:
+            print()
 
 
 main(sys.argv[1:])
