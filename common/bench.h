@@ -58,6 +58,7 @@ struct CaseResult {
     std::vector<size_t> roundSizes;    // of `total`, round after round
     std::optional<Interval> interval;  // of the median of `total`
     std::vector<double> overlapped;    // frames of several passes in RunMode::overlap
+    std::optional<Interval> overlappedInterval;
     std::optional<Counters> counters;  // of one frame
     std::map<std::string, std::vector<double>> passes;
     std::vector<double> record;  // host time to record a frame, and to submit it

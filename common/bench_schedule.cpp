@@ -196,7 +196,9 @@ void timeCase(Timer& timer, size_t number, uint32_t from, uint32_t count, double
     if (result.total.size() > before) result.roundSizes.push_back(result.total.size() - before);
     failOnMessages(result, place->second.backend);
     if (result.status == CaseStatus::failed) return drop(timer, number);
+    // Kept, because checkpoints write them again and again.
     result.interval = medianInterval(result.total, result.roundSizes);
+    if (!result.overlapped.empty()) result.overlappedInterval = medianInterval(result.overlapped, result.roundSizes);
 }
 
 // The frames of a round: the settings' frames over their rounds, and as many as in the first in each that is added.

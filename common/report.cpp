@@ -114,8 +114,7 @@ static Json passesJson(const CaseResult& result) {
 
 static Json overlapJson(const CaseResult& result) {
     if (result.overlapped.empty()) return nullptr;
-    return {{"median", summarise(result.overlapped).median},
-            {"interval", intervalJson(medianInterval(result.overlapped, result.roundSizes))}};
+    return {{"median", summarise(result.overlapped).median}, {"interval", intervalJson(result.overlappedInterval)}};
 }
 
 static Json countersJson(const std::optional<Counters>& counters) {

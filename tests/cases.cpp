@@ -159,6 +159,19 @@ std::vector<Case> everyCase() {
     return cases;
 }
 
+Case makeCase(const char* route, const char* variant, const char* codec) {
+    Case which;
+    which.route = findRoute(route);
+    which.variant = findVariant(variant);
+    which.codec = findCodec(codec);
+    SKINBENCH_ASSERT(which.route && which.variant && which.codec);
+    if (onMeshRoute(which)) {
+        which.builder = findBuilder("meshopt");
+        which.layout = findMeshletLayout("redirect");
+    }
+    return which;
+}
+
 DeviceCaps generousCaps(Api api) {
     DeviceCaps caps;
     caps.api = api;

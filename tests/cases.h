@@ -11,6 +11,9 @@ namespace skinbench {
 // Every route, variant, codec and option that changes a shader or a plan.
 std::vector<Case> everyCase();
 
+// Everything else at its default; meshopt and redirect on mesh routes.
+Case makeCase(const char* route, const char* variant, const char* codec = "uc");
+
 DeviceCaps generousCaps(Api api);
 
 ShaderLibrary testShaders();

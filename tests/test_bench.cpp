@@ -6,32 +6,14 @@
 
 using namespace skinbench;
 
-namespace {
-
-Case cpuCase() {
-    Case which;
-    which.route = findRoute("cpu");
-    which.variant = findVariant("cpu");
-    which.codec = findCodec("uc");
-    return which;
-}
-
-Case vertexCase(const char* route) {
-    Case which = cpuCase();
-    which.route = findRoute(route);
-    which.variant = findVariant("vertex");
-    return which;
-}
-
-}  // namespace
-
 TEST_CASE("route cpu is verified and timed with no graphics API at all") {
     Workload workload = tinyWorkload(3);
     BenchSettings settings;
     settings.frames = 7;
     settings.rounds = 3;
     const Backends none{{Api::vulkan, {nullptr, "no loader"}}};
-    auto results = runBench(workload, {cpuCase(), vertexCase("vk"), vertexCase("gl")}, none, settings, {});
+    auto results = runBench(workload, {makeCase("cpu", "cpu"), makeCase("vk", "vertex"), makeCase("gl", "vertex")},
+                            none, settings, {});
     REQUIRE(results);
     const CaseResult& cpu = results->at(0);
     CHECK(cpu.status == CaseStatus::ok);
@@ -71,19 +53,19 @@ TEST_CASE("rounds go on until the median is known well enough, or for kMostRound
     settings.frames = 4;
     settings.rounds = 2;
     settings.precision = 1e-12;
-    auto results = runBench(workload, {cpuCase()}, {}, settings, {});
+    auto results = runBench(workload, {makeCase("cpu", "cpu")}, {}, settings, {});
     REQUIRE(results);
     CHECK(results->at(0).roundSizes == std::vector<size_t>(kMostRounds, 2));
     CHECK(results->at(0).total.size() == kMostRounds * 2);
 
     settings.timeLimit = 1e-9;
-    results = runBench(workload, {cpuCase()}, {}, settings, {});
+    results = runBench(workload, {makeCase("cpu", "cpu")}, {}, settings, {});
     REQUIRE(results);
     CHECK(results->at(0).roundSizes == std::vector<size_t>{2, 2});
 
     settings.timeLimit = 0;
     settings.precision = 1e9;
-    results = runBench(workload, {cpuCase()}, {}, settings, {});
+    results = runBench(workload, {makeCase("cpu", "cpu")}, {}, settings, {});
     REQUIRE(results);
     const CaseResult& result = results->at(0);
     CHECK(result.roundSizes == std::vector<size_t>{2, 2});
@@ -97,7 +79,7 @@ TEST_CASE("the self-test times every case twice under two names") {
     BenchSettings settings;
     settings.frames = 6;
     settings.selfTest = true;
-    auto results = runBench(workload, {cpuCase()}, {}, settings, {});
+    auto results = runBench(workload, {makeCase("cpu", "cpu")}, {}, settings, {});
     REQUIRE(results);
     REQUIRE(results->size() == 2);
     CHECK(results->at(0).id == "cpu/cpu/uc");
@@ -116,7 +98,7 @@ TEST_CASE("checkpoints come after every case and round; stopping keeps what was 
     settings.frames = 30;
     settings.rounds = 5;
     settings.warmup = 0;
-    Case eight = cpuCase();
+    Case eight = makeCase("cpu", "cpu");
     eight.influences = 8;
     int checkpoints = 0;
     BenchEvents events;
@@ -127,7 +109,7 @@ TEST_CASE("checkpoints come after every case and round; stopping keeps what was 
     };
     // Two verifications, then the first round of both cases and no more.
     events.stop = [&] { return checkpoints == 4; };
-    auto results = runBench(workload, {cpuCase(), eight}, {}, settings, events);
+    auto results = runBench(workload, {makeCase("cpu", "cpu"), eight}, {}, settings, events);
     REQUIRE(results);
     CHECK(checkpoints == 4);
     for (const CaseResult& result : *results) {
@@ -137,7 +119,7 @@ TEST_CASE("checkpoints come after every case and round; stopping keeps what was 
 
     checkpoints = 0;
     events.stop = [&] { return checkpoints == 1; };
-    results = runBench(workload, {cpuCase(), eight}, {}, settings, events);
+    results = runBench(workload, {makeCase("cpu", "cpu"), eight}, {}, settings, events);
     REQUIRE(results);
     CHECK(results->at(0).reason == "interrupted before it was timed");
     CHECK(results->at(1).reason == "interrupted before it was verified");
@@ -148,7 +130,7 @@ TEST_CASE("a checkpoint that fails ends the run with its error") {
     Workload workload = tinyWorkload(1);
     BenchEvents events;
     events.checkpoint = [](const std::vector<CaseResult>&) -> Result<void> { return inputError("disk full"); };
-    auto results = runBench(workload, {cpuCase()}, {}, {}, events);
+    auto results = runBench(workload, {makeCase("cpu", "cpu")}, {}, {}, events);
     REQUIRE(!results);
     CHECK(results.error().text == "disk full");
 }
@@ -156,7 +138,7 @@ TEST_CASE("a checkpoint that fails ends the run with its error") {
 TEST_CASE("raster modes of one case share its verification") {
     Workload workload = tinyWorkload(2);
     auto null = openNull(generousCaps(Api::vulkan));
-    Case plain = vertexCase("vk"), discard = plain;
+    Case plain = makeCase("vk", "vertex"), discard = plain;
     discard.raster = RasterMode::discard;
     const Backends backends{{Api::vulkan, {null.get(), {}}}};
     auto results = runBench(workload, {plain, discard}, backends, {}, {});

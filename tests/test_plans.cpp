@@ -16,19 +16,6 @@ using Catch::Matchers::ContainsSubstring;
 
 namespace {
 
-Case makeCase(const char* route, const char* variant, const char* codec = "uc") {
-    Case which;
-    which.route = findRoute(route);
-    which.variant = findVariant(variant);
-    which.codec = findCodec(codec);
-    SKINBENCH_ASSERT(which.route && which.variant && which.codec);
-    if (which.route->dialect != MeshDialect::none) {
-        which.builder = findBuilder("meshopt");
-        which.layout = findMeshletLayout("redirect");
-    }
-    return which;
-}
-
 FramePlan planOf(Workload& workload, const Case& which, const DeviceCaps& caps, bool capture = false) {
     auto input = planInput(workload, which);
     REQUIRE(input);

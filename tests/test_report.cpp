@@ -20,15 +20,9 @@ using Json = nlohmann::ordered_json;
 
 namespace {
 
-Case makeCase(const char* route, const char* variant) {
-    Case which;
-    which.route = findRoute(route);
-    which.variant = findVariant(variant);
-    which.codec = findCodec("uc");
-    if (which.route->dialect != MeshDialect::none) {
-        which.builder = findBuilder("scan");
-        which.layout = findMeshletLayout("redirect");
-    }
+Case scanCase(const char* route, const char* variant) {
+    Case which = makeCase(route, variant);
+    if (which.builder) which.builder = findBuilder("scan");
     return which;
 }
 
@@ -64,7 +58,7 @@ RunContext makeContext() {
 // A timed case on a software driver, one on hardware, a skipped one, a failed one, and one that was only verified.
 std::vector<CaseResult> makeResults() {
     std::vector<CaseResult> results;
-    results.push_back(makeResult(makeCase("vk-ext", "mesh"), CaseStatus::ok));
+    results.push_back(makeResult(scanCase("vk-ext", "mesh"), CaseStatus::ok));
     results[0].total = {1, 2, 4, 9};
     results[0].roundSizes = {2, 2};
     results[0].interval = Interval{1.5, 6.5};
@@ -76,17 +70,17 @@ std::vector<CaseResult> makeResults() {
     results[0].meshlets = 12;
     results[0].memory = MemoryBytes{1000, 0, 24, 0, 0, 0, 0};
     results[0].accuracy = Accuracy{{1.5e-7, 2e-6}, 2e-6, {1.5e-7, 2e-6}, 0, "vk-ext/mesh/uc/scan/redirect"};
-    results.push_back(makeResult(makeCase("gl", "compute"), CaseStatus::ok));
+    results.push_back(makeResult(scanCase("gl", "compute"), CaseStatus::ok));
     results[1].total = {0.5};
     results[1].roundSizes = {1};
     results[1].overlapped = {0.4};
     results[1].passes = {{"skin", {0.2}}, {"draw", {0.3}}};
     results[1].memory = MemoryBytes{2048, 512, 0, 0, 0, 0, 1024};
     results[1].accuracy = Accuracy{{1e-7, 1e-6}, 2e-6, {3e-5, 4e-4}, 0.25, "vk-ext/mesh/uc/scan/redirect"};
-    results.push_back(makeResult(makeCase("gl-nv", "mesh"), CaseStatus::skipped, "Real GPU has no GL_NV_mesh_shader"));
-    results.push_back(makeResult(makeCase("vk", "vertex"), CaseStatus::failed, "off by \"1\", <far>\nand more"));
+    results.push_back(makeResult(scanCase("gl-nv", "mesh"), CaseStatus::skipped, "Real GPU has no GL_NV_mesh_shader"));
+    results.push_back(makeResult(scanCase("vk", "vertex"), CaseStatus::failed, "off by \"1\", <far>\nand more"));
     results[3].accuracy = Accuracy{{std::numeric_limits<double>::infinity(), 0.5}, 2e-6, {}, 0, {}};
-    results.push_back(makeResult(makeCase("cpu", "cpu"), CaseStatus::ok));
+    results.push_back(makeResult(scanCase("cpu", "cpu"), CaseStatus::ok));
     results[4].accuracy = Accuracy{{0, 0}, 2e-6, 0, {}};
     results.push_back(makeResult(*limitCase(results[0].which), CaseStatus::ok));
     results[5].isLimit = true;
@@ -257,7 +251,7 @@ TEST_CASE("warnings: clocks that moved, a build that is no release, rounds that 
     REQUIRE(figureWarnings(context, none).size() == 1);
     CHECK_THAT(figureWarnings(context, none)[0], ContainsSubstring("Debug build"));
     context.buildType = "Release";
-    std::vector<CaseResult> results{makeResult(makeCase("vk", "vertex"), CaseStatus::ok)};
+    std::vector<CaseResult> results{makeResult(scanCase("vk", "vertex"), CaseStatus::ok)};
     for (int i = 0; i < 20; ++i) results[0].total.push_back(i < 10 ? 1 + i * 1e-4 : 1.1 + i * 1e-4);
     results[0].roundSizes = {10, 10};
     REQUIRE(figureWarnings(context, results).size() == 1);
@@ -279,9 +273,9 @@ TEST_CASE("the self-test tells the largest difference of equal cases") {
         }
         results.back().isAgain = true;
     };
-    addPair(makeCase("vk", "vertex"), 2, 2.004, 0.003);
-    addPair(makeCase("vk", "compute"), 4, 4.008, 0.0005);
-    addPair(makeCase("cpu", "cpu"), 1, 3, 0.1);
+    addPair(scanCase("vk", "vertex"), 2, 2.004, 0.003);
+    addPair(scanCase("vk", "compute"), 4, 4.008, 0.0005);
+    addPair(scanCase("cpu", "cpu"), 1, 3, 0.1);
     REQUIRE(noiseFloor(results));
     CHECK_THAT(*noiseFloor(results), WithinRel(0.002, 1e-9));
     const Json json = resultsJson(context, results);

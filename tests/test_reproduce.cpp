@@ -55,12 +55,9 @@ double valueOf(const Figure& figure) {
 CaseResult timed(const char* route, const char* variant, double milliseconds) {
     CaseResult result;
     Case& which = result.which;
-    which.route = findRoute(route);
-    which.variant = findVariant(variant);
-    which.codec = findCodec("uc");
-    if (which.route->dialect != MeshDialect::none) {
+    which = makeCase(route, variant);
+    if (which.builder) {
         which.builder = findBuilder("scan");
-        which.layout = findMeshletLayout("redirect");
         which.common.grouping = CiGrouping::triangles;
         which.common.key = CiKey::ordered;
         result.meshlets = which.variant == findVariant("mesh") ? 100 : 125;

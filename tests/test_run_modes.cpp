@@ -14,18 +14,6 @@ namespace {
 
 constexpr uint32_t kCopies = 3;
 
-Case caseOn(const char* route, const char* variant) {
-    Case which;
-    which.route = findRoute(route);
-    which.variant = findVariant(variant);
-    which.codec = findCodec("uc");
-    if (which.route->dialect != MeshDialect::none) {
-        which.builder = findBuilder("meshopt");
-        which.layout = findMeshletLayout("redirect");
-    }
-    return which;
-}
-
 // Those that this machine's drivers run.
 std::vector<Case> offered(std::initializer_list<Case> cases) {
     std::vector<Case> there;
@@ -74,13 +62,13 @@ Drawn drawBothWays(Workload& workload, const Case& which, Backend& backend) {
 TEST_CASE("limits are verified and timed beside the cases, each once") {
     if (!anyDriver()) SKIP("no Vulkan and no OpenGL driver on this machine");
     Workload workload = tinyWorkload(kCopies);
-    Case discard = caseOn("vk", "vertex");
+    Case discard = makeCase("vk", "vertex");
     discard.raster = RasterMode::discard;
-    Case prepass = caseOn("vk", "vertex");
+    Case prepass = makeCase("vk", "vertex");
     prepass.scenario = Scenario::prepass;
     const std::vector<Case> cases =
-        offered({caseOn("vk", "vertex"), caseOn("vk", "compute"), discard, prepass, caseOn("gl", "vertex"),
-                 caseOn("vk-ext", "mesh"), caseOn("vk-ext", "mesh-ci"), caseOn("gl-ext", "mesh")});
+        offered({makeCase("vk", "vertex"), makeCase("vk", "compute"), discard, prepass, makeCase("gl", "vertex"),
+                 makeCase("vk-ext", "mesh"), makeCase("vk-ext", "mesh-ci"), makeCase("gl-ext", "mesh")});
     BenchSettings settings = fewFrames();
     settings.limits = true;
     auto results = runBench(workload, cases, openedBackends(), settings, {});
@@ -107,8 +95,9 @@ TEST_CASE("limits are verified and timed beside the cases, each once") {
 TEST_CASE("counters agree with what the plan draws") {
     if (!anyDriver()) SKIP("no Vulkan and no OpenGL driver on this machine");
     Workload workload = tinyWorkload(kCopies);
-    const std::vector<Case> cases = offered({caseOn("vk", "vertex"), caseOn("gl", "vertex"), caseOn("vk", "compute"),
-                                             caseOn("gl", "compute"), caseOn("vk-ext", "mesh")});
+    const std::vector<Case> cases =
+        offered({makeCase("vk", "vertex"), makeCase("gl", "vertex"), makeCase("vk", "compute"),
+                 makeCase("gl", "compute"), makeCase("vk-ext", "mesh")});
     auto results = runBench(workload, cases, openedBackends(), fewFrames(), {});
     REQUIRE(results);
     size_t counted = 0;
@@ -145,11 +134,11 @@ TEST_CASE("counters agree with what the plan draws") {
 TEST_CASE("passes that overlap draw the same image, and are timed as one") {
     if (!anyDriver()) SKIP("no Vulkan and no OpenGL driver on this machine");
     Workload workload = tinyWorkload(kCopies);
-    Case prepassVk = caseOn("vk", "compute"), prepassGl = caseOn("gl", "vertex"),
-         prepassMesh = caseOn("vk-ext", "mesh");
+    Case prepassVk = makeCase("vk", "compute"), prepassGl = makeCase("gl", "vertex"),
+         prepassMesh = makeCase("vk-ext", "mesh");
     for (Case* which : {&prepassVk, &prepassGl, &prepassMesh}) which->scenario = Scenario::prepass;
     const std::vector<Case> cases =
-        offered({caseOn("vk", "compute"), caseOn("gl", "compute"), prepassVk, prepassGl, prepassMesh});
+        offered({makeCase("vk", "compute"), makeCase("gl", "compute"), prepassVk, prepassGl, prepassMesh});
     for (const Case& which : cases) {
         INFO(caseId(which));
         Backend& backend = *openedBackends().at(which.route->api).backend;
