@@ -14,18 +14,18 @@ const PublishedTorabi& publishedTorabi() {
 
 const PublishedKimmersdorfer& publishedKimmersdorfer() {
     static const PublishedKimmersdorfer figures = {
-        // Table 2.1, from the design notes, 1.1.
+        // Table 2.1.
         .positionErrors = {{8, {3.74e-3, 3.78e-3}},
                            {10, {9.31e-4, 9.39e-4}},
                            {16, {1.46e-5, 1.46e-5}},
                            {21, {4.22e-7, 4.32e-7}}},
-        // Table 2.2, from the design notes, 1.3.
+        // Table 2.2.
         .euclidean = {9.40e-4, 9.54e-4},
         .spherical = {2.38e-5, 2.90e-5},
         .octahedral = {2.05e-5, 2.62e-5},
-        // Table 3.2, from the design notes, 8.3.
+        // Table 3.2.
         .playgroundMeshlets = 4'589,
-        // Tables 4.1 and 4.3 and the tuples, from the design notes, 8.2 and 8.3. Robot's triangles are printed there
+        // Tables 4.1 and 4.3 and the tuples. Robot's triangles are printed there
         // as 20.8 thousand, so they are left out here.
         .scenes =
             {
@@ -81,16 +81,16 @@ const PublishedKimmersdorfer& publishedKimmersdorfer() {
             },
         .blendAverages =
             {{"oss", 4.04}, {"pc", 4.04}, {"pdc8", 1.61}, {"pdc16", 2.03}, {"pdc32", 2.24}, {"dpdc16", 2.08}},
-        // 3.3, with which the vertex buffers of table 4.2 agree: design notes, 8.1 and 8.3.
+        // 3.3, with which the vertex buffers of table 4.2 agree.
         .bytesPerVertex = {{"uc", 64}, {"oss", 18}, {"pc", 18}},
         // Table 4.4 as ratios.
         .timesOverPc = {{"oss", {1.00, 1.07}},
                         {"pdc8", {1.056, 1.092}},
                         {"pdc16", {0.97, 1.035}},
                         {"pdc32", {0.97, 1.035}}},
-        .baseBytes = 14,           // design notes, 7.1
+        .baseBytes = 14,           // quantised position, normal and uv
         .fixedMeshletBytes = 640,  // 3.2
-        // Running text, from the design notes, 8.3.
+        // Running text.
         .pdc8ShareOfBuffer = 0.11,
         .pdc32ShareOfBuffer = 0.16,
         .bestSaving = 0.9275,

@@ -2,9 +2,9 @@
 // what is missing stays empty and is shown as "not available". Nothing here is measured or estimated by us.
 //
 // T: P. Torabi, "Skeletal Animation Optimization Using Mesh Shaders", master's thesis, Blekinge Institute of
-//    Technology, 2019. At hand: its abstract, and what our design notes say of its sections.
+//    Technology, 2019. At hand: its abstract.
 // K: G. Kimmersdorfer, "Vertex Compression with Mesh Shaders for Skinned Meshes", bachelor's thesis, TU Wien.
-//    At hand: the figures that our design notes (codecs.md) took from its text; none of its plots.
+//    At hand: figures from its text; none of its plots.
 #pragma once
 
 #include <cstdint>

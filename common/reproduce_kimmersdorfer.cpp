@@ -28,7 +28,7 @@ Result<RoundedErrors> roundedErrors(const Scene& stored) {
 
 namespace {
 
-constexpr const char* kNotes = "Figures that our design notes took from its text; none of its plots was at hand.";
+constexpr const char* kNotes = "Figures from its text; none of its plots was at hand.";
 
 // In the thesis' order.
 const std::vector<std::string> kCodecs = {"uc", "oss", "pc", "pdc8", "pdc16", "pdc32", "dpdc16"};
@@ -459,7 +459,7 @@ std::vector<Slip> sceneSlips(const std::vector<ReproduceScene>& scenes) {
     };
 }
 
-// w2, w3, w4 in the order of the thesis (design notes, 4.4).
+// w2, w3, w4 in the order of the thesis.
 std::array<double, 3> transformed(double w2, double w3, double w4) { return {2 * w2 + w3 + w4, 3 * w3 + w4, 4 * w4}; }
 
 double weightBits(double values) { return 3 * std::log2(values) - std::log2(6.0) + 1; }
