@@ -34,6 +34,8 @@ struct EncodedMesh {
     Bytes tuples;                             // SLOT_TUPLE, null where there is none
     Bytes meshletExtra;                       // SLOT_MESHLET_EXTRA, null where there is none
     std::optional<MeshletMesh> meshlets;      // where the codec rewrites vertex references
+    std::vector<uint8_t> blendBytes;          // per meshlet, below 8: of a vertex; empty where all vertices are equal
+    std::vector<uint32_t> firstBytes;         // per meshlet: where its first vertex lies; empty likewise
     std::vector<VertexAttribute> attributes;  // empty: no attribute format can carry this codec
     uint32_t attributeStride = 0;
     Defines defines;                    // for every stage that decodes

@@ -67,12 +67,15 @@ MeshletStats meshletStats(const Mesh& mesh, const MeshletMesh& meshlets);
 struct MeshletPacking {
     bool orderedRecords = false;       // every meshlet's vertex ids count up by one: only its first one is stored
     uint32_t commonMeshlets = 0;       // these, the first ones, share a joint list
-    std::vector<uint32_t> extraStart;  // per meshlet: first word of what SLOT_MESHLET_EXTRA holds for it; or empty
+    // Per meshlet: first word of what SLOT_MESHLET_EXTRA holds for it, or, with orderedRecords and blendBytes, first
+    // byte of its vertices; or empty.
+    std::vector<uint32_t> extraStart;
+    std::vector<uint8_t> blendBytes;   // per meshlet, below 8: bytes of blend data of its vertices; or empty
 };
 
 // The words a mesh shader reads. All layouts share the word of the counts and the way local indices lie:
 //
-//   counts         [31] shares a joint list  [30:16] triangle count  [15:0] vertex count
+//   counts         [31] shares a joint list  [30:16] triangle count  [15:13] blend bytes  [12:0] vertex count
 //   local indices  a byte each, little-endian, triangle after triangle: three words hold four triangles
 //
 // `redirect` (Kimmersdorfer 3.2): a descriptor a meshlet and one index stream.

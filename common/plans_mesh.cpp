@@ -20,6 +20,7 @@ struct Extra {
 Result<Extra> makeExtra(const Case& which, const PlanInput& input) {
     Extra extra;
     extra.bytes = input.encoded->meshletExtra;
+    if (which.shape.orderedRecords) extra.start = input.encoded->firstBytes;
     if (which.shape.joints == JointSource::vertex) return extra;
     const Mesh& mesh = input.records ? input.records->mesh : input.scene->mesh;
     auto joints = packMeshletJoints(mesh, *input.meshlets, which.influences);
@@ -97,7 +98,8 @@ Result<FramePlan> planMesh(const Case& which, const PlanInput& input, const Devi
     const PackedMeshlets packed =
         which.layout->pack(*input.meshlets, {.orderedRecords = which.shape.orderedRecords,
                                              .commonMeshlets = input.records ? input.records->commonMeshlets : 0,
-                                             .extraStart = extra->start});
+                                             .extraStart = extra->start,
+                                             .blendBytes = input.encoded->blendBytes});
     const Defines defines = meshDefines(which, input, caps, packed, *extra);
     const bool prepass = which.scenario == Scenario::prepass;
     FramePlan plan = startPlan(which, input);

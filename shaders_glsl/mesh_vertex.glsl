@@ -63,7 +63,12 @@ Vertex fetchVertex(Meshlet meshlet, uint i, uint id) {
 #endif
     return vertex;
 #elif CODEC_PER_MESHLET
-    return loadMeshletVertex(place, meshlet.copyNumber, meshlet.number, i);
+#if RECORDS_ORDERED
+    uint firstByte = meshlet.firstByte + i * (14u + meshlet.blendBytes);
+#else
+    uint firstByte = vertexByte(id, meshlet.blendBytes);
+#endif
+    return loadMeshletVertex(firstByte, meshlet.copyNumber, meshlet.blendBytes, meshlet.blend);
 #else
     return loadVertex(place, meshlet.copyNumber);
 #endif

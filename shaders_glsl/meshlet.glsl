@@ -26,6 +26,9 @@ struct Meshlet {
     uint firstIndex;     // word of the first local indices
     uint firstRecord;    // RECORDS_ORDERED: its records stand one behind the other
     uint firstJoint;     // JOINTS: word of its joint list
+    uint firstByte;      // CODEC_PER_MESHLET and RECORDS_ORDERED: of its records
+    uint blendBytes;     // CODEC_PER_MESHLET: of each of its vertices
+    uvec2 blend;         // CODEC_PER_MESHLET: what the codec keeps of it
 };
 
 Meshlet loadMeshlet() {
@@ -38,6 +41,10 @@ Meshlet loadMeshlet() {
     meshlet.copyNumber = drawConstants.x;
     meshlet.number = group;
 #endif
+#if CODEC_PER_MESHLET
+    // Here rather than where a vertex is decoded, which would wait for the header first.
+    meshlet.blend = loadMeshletBlend(meshlet.number, meshlet.copyNumber);
+#endif
     uint firstWord = meshlet.copyNumber * uint(MESHLET_DATA_WORDS);
 #if LAYOUT_FIXED
     firstWord += meshlet.number * uint(MESHLET_WORDS);
@@ -45,7 +52,7 @@ Meshlet loadMeshlet() {
     meshlet.firstId = firstWord + 1u;
 #if WIDE_HEADER
     meshlet.firstRecord = meshletData[firstWord + 1u];
-    meshlet.firstJoint = meshletData[firstWord + 2u];
+    meshlet.firstJoint = meshlet.firstByte = meshletData[firstWord + 2u];
     meshlet.firstId += 2u;
 #endif
 #else
@@ -54,10 +61,11 @@ Meshlet loadMeshlet() {
     meshlet.firstId = firstWord + descriptor.x;
 #if WIDE_HEADER
     meshlet.firstRecord = descriptor.z;
-    meshlet.firstJoint = descriptor.w;
+    meshlet.firstJoint = meshlet.firstByte = descriptor.w;
 #endif
 #endif
-    meshlet.vertexCount = bitfieldExtract(counts, 0, 16);
+    meshlet.vertexCount = bitfieldExtract(counts, 0, 13);
+    meshlet.blendBytes = bitfieldExtract(counts, 13, 3);
     meshlet.triangleCount = bitfieldExtract(counts, 16, 15);
     meshlet.sharesList = counts >= 0x80000000u;
 #if RECORDS_ORDERED

@@ -1,9 +1,15 @@
 // A decoded vertex: what every codec delivers and every variant skins. A file of codecs/ defines either
 //
 //   Vertex loadVertex(uint place, uint copyNumber)
-//   Vertex loadMeshletVertex(uint place, uint copyNumber, uint meshletNumber, uint localVertex)   CODEC_PER_MESHLET 1
 //
-// `place` counts vertices over all copies, `meshletNumber` meshlets within the copy. Codecs trust their encoder: no index
+// or, with CODEC_PER_MESHLET 1,
+//
+//   uvec2 loadMeshletBlend(uint meshletNumber, uint copyNumber)
+//   uint vertexByte(uint number, uint blendBytes)
+//   Vertex loadMeshletVertex(uint firstByte, uint copyNumber, uint blendBytes, uvec2 blend)
+//
+// `place` counts vertices over all copies, `number`, `firstByte` and `meshletNumber` within the copy. The meshlet's
+// header tells `blendBytes` and, with ordered records, the byte too, so that a vertex need not wait for `blend`. Codecs trust their encoder: no index
 // is tested. Their files include the parts that they need, the parts include nothing.
 #include "shared.h"
 

@@ -81,7 +81,7 @@ struct Decoder {
     uint vertexBytes;  // 0: the codec does not say
     uint alignment;
     uint bits;  // of a permutation code
-    Decoded (*load)(uint place, uint copyNumber, uint meshletNumber, uint localVertex);
+    Decoded (*load)(uint place, uint copyNumber, uint meshletNumber, uint blendBytes);
 };
 
 }  // namespace skinbench::glsl

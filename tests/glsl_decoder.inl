@@ -5,9 +5,9 @@
 namespace skinbench::glsl::DECODER {
 #include DECODER_FILE
 
-static Decoded load(uint place, uint copyNumber, uint meshletNumber, uint local) {
+static Decoded load(uint place, uint copyNumber, uint meshletNumber, uint blendBytes) {
 #ifdef CODEC_PER_MESHLET
-    const Vertex v = loadMeshletVertex(place, copyNumber, meshletNumber, local);
+    const Vertex v = loadMeshletVertex(vertexByte(place - copyNumber * uint(VERTEX_COUNT), blendBytes), copyNumber, blendBytes, loadMeshletBlend(meshletNumber, copyNumber));
 #else
     const Vertex v = loadVertex(place, copyNumber);
 #endif

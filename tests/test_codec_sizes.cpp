@@ -59,6 +59,22 @@ void checkSizes(const char* name, const Mesh& mesh, const MeshletMesh& cut, cons
     CHECK(packed.data.size() == ids + indexWords);
 }
 
+// The quantised attributes at `firstBytes` are those that `pc` has for the meshlet's first vertex.
+void checkFirstBytes(const char* name, const Mesh& mesh, const MeshletMesh& cut) {
+    INFO("codec " << name);
+    const auto encoded = findCodec(name)->encode(mesh, &cut, 4), pc = findCodec("pc")->encode(mesh, nullptr, 4);
+    REQUIRE(encoded);
+    REQUIRE(pc);
+    REQUIRE(encoded->firstBytes.size() == cut.meshlets.size());
+    REQUIRE(encoded->blendBytes.size() == cut.meshlets.size());
+    for (size_t m = 0; m < cut.meshlets.size(); ++m) {
+        REQUIRE(encoded->firstBytes[m] + kBaseVertexBytes + encoded->blendBytes[m] <= encoded->vertices->size());
+        const std::byte* found = encoded->vertices->data() + encoded->firstBytes[m];
+        const std::byte* wanted = pc->vertices->data() + size_t{18} * cut.vertices[cut.meshlets[m].firstVertex];
+        REQUIRE(std::equal(found, found + kBaseVertexBytes, wanted));
+    }
+}
+
 void checkCodecs(const Mesh& mesh) {
     const MeshletMesh cut = builders()[0].build(mesh, MeshletLimits{});
     const uint64_t count = mesh.positions.size();
@@ -81,6 +97,7 @@ void checkCodecs(const Mesh& mesh) {
     for (const Row& row : {Row{"pdc8", 8, plain}, {"pdc16", 16, plain}, {"pdc32", 32, plain}, {"dpdc16", 16, merged}}) {
         const Recount counted = recount(cut, row.codes.ofVertex, row.granularity, row.granularity == 32);
         checkSizes(row.name, mesh, cut, {padded(counted.vertexBytes), extra, 8 * row.codes.tuples, counted.vertices});
+        checkFirstBytes(row.name, mesh, cut);
     }
 }
 

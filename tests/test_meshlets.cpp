@@ -54,7 +54,7 @@ std::vector<std::array<uint32_t, 3>> decode(const PackedMeshlets& packed, const 
         auto head = [&](size_t word) {
             return fixed ? packed.data.at(block + word) : packed.descriptors.at(descriptor + 1 + word);
         };
-        const uint32_t vertices = head(0) & 0xFFFF, count = head(0) >> 16 & 0x7FFF;
+        const uint32_t vertices = head(0) & 0x1FFF, count = head(0) >> 16 & 0x7FFF;
         CHECK((head(0) >> 31 == 1) == (m < packing.commonMeshlets));
         if (!packing.extraStart.empty()) CHECK(head(2) == packing.extraStart[m]);
         const size_t ids = fixed ? block + header : packed.descriptors.at(descriptor);
@@ -218,6 +218,8 @@ TEST_CASE("redirect packs what a case adds") {
         findMeshletLayout("redirect")->pack(cut, {.orderedRecords = true, .commonMeshlets = 1, .extraStart = {40, 50}});
     CHECK(ordered.descriptors == std::vector<uint32_t>{0, 1u << 31 | 1u << 16 | 3, 5, 40, 3, 1u << 16 | 3, 20, 50});
     CHECK(ordered.data == std::vector<uint32_t>{0x00020100, 0, 0, 0x00000102, 0, 0});
+    const PackedMeshlets sized = findMeshletLayout("redirect")->pack(cut, {.blendBytes = {4, 1}});
+    CHECK(sized.descriptors == std::vector<uint32_t>{0, 1u << 16 | 4u << 13 | 3, 6, 1u << 16 | 1u << 13 | 3});
 }
 
 TEST_CASE("fixed takes 640 bytes a meshlet for 64 vertices and 126 triangles") {

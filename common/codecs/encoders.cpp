@@ -176,6 +176,13 @@ Result<EncodedMesh> encodeDifferenceCodec(const char* name, const Mesh& mesh, co
     encoded.meshletExtra = toBytes(stored->meshletExtra);
     encoded.meshlets = *meshlets;
     encoded.meshlets->vertices = stored->numbers;
+    encoded.blendBytes = stored->differenceBytes;
+    for (size_t m = 0; m < meshlets->meshlets.size(); ++m) {
+        const Meshlet& meshlet = meshlets->meshlets[m];
+        const uint32_t width = stored->differenceBytes[m];
+        const uint32_t number = meshlet.vertexCount > 0 ? stored->numbers[meshlet.firstVertex] : 0;
+        encoded.firstBytes.push_back(stored->sections[width] + number * (kBaseVertexBytes + width));
+    }
     encoded.defines = differenceDefines(*stored);
     encoded.sources = stored->sources;
     encoded.bounds = {positionBound(stored->grids.position), weightsBound(differenceTraits(codec), codec),

@@ -7,16 +7,13 @@ layout(std430, binding = SLOT_MESHLET_EXTRA) readonly restrict buffer MeshletExt
 // By width; modulo 2^32.
 const uint sections[5] = SECTIONS;
 
-PackedVertex loadWidth(uint place, uint copyNumber, uint width) {
-    uint number = place - copyNumber * uint(VERTEX_COUNT);
-    return loadPacked(copyNumber, sections[width] + number * (14u + width), 14u + width);
-}
+uint vertexByte(uint number, uint width) { return sections[width] + number * (14u + width); }
 
-uvec2 loadMeshletExtra(uint meshletNumber, uint copyNumber) {
+uvec2 loadMeshletBlend(uint meshletNumber, uint copyNumber) {
     return meshletExtra[copyNumber * uint(MESHLET_COUNT) + meshletNumber];
 }
 
 // The `width` bytes behind the base.
-uint blendBytes(PackedVertex stored, uint width) {
+uint codeBytes(PackedVertex stored, uint width) {
     return bitfieldExtract(highHalf(stored.words[3]) | stored.words[4] << 16u, 0, int(8u * width));
 }

@@ -26,13 +26,12 @@ uint pick(uvec4 joints, uint slot) {
     return slot < 2u ? half0 : half1;
 }
 
-Vertex loadMeshletVertex(uint place, uint copyNumber, uint meshletNumber, uint localVertex) {
-    uvec2 extra = loadMeshletExtra(meshletNumber, copyNumber);
-    PackedVertex stored = loadWidth(place, copyNumber, extra.y);
-    PermutationBlend blend = decodePermutation(uvec2(extra.x + blendBytes(stored, extra.y), 0u));
-    Vertex vertex = withBlend(baseVertex(stored), blend);
-    vertex = withTuple(vertex, blend.tuple % uint(MOST_TUPLES), copyNumber);
-    uvec4 slots = slotsOfRank(blend.tuple / uint(MOST_TUPLES));
+Vertex loadMeshletVertex(uint firstByte, uint copyNumber, uint blendBytes, uvec2 blend) {
+    PackedVertex stored = loadPacked(copyNumber, firstByte, 14u + blendBytes);
+    PermutationBlend decoded = decodePermutation(uvec2(blend.x + codeBytes(stored, blendBytes), 0u));
+    Vertex vertex = withBlend(baseVertex(stored), decoded);
+    vertex = withTuple(vertex, decoded.tuple % uint(MOST_TUPLES), copyNumber);
+    uvec4 slots = slotsOfRank(decoded.tuple / uint(MOST_TUPLES));
     uvec4 joints = vertex.joints0;
     vertex.joints0 = uvec4(pick(joints, slots.x), pick(joints, slots.y), pick(joints, slots.z), pick(joints, slots.w));
     return vertex;

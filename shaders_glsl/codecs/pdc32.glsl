@@ -7,23 +7,18 @@
 #include "codecs/permutation.glsl"
 #include "codecs/differences.glsl"
 
-vec4 meshletWeights(uvec2 extra) {
-    vec3 w = vec3(highHalf(extra.x), lowHalf(extra.y), highHalf(extra.y)) / 65535.0 / vec3(2.0, 3.0, 4.0);
+vec4 meshletWeights(uvec2 blend) {
+    vec3 w = vec3(highHalf(blend.x), lowHalf(blend.y), highHalf(blend.y)) / 65535.0 / vec3(2.0, 3.0, 4.0);
     return vec4(1.0 - w.x - w.y - w.z, w);
 }
 
-Vertex loadMeshletVertex(uint place, uint copyNumber, uint meshletNumber, uint localVertex) {
-    uvec2 extra = loadMeshletExtra(meshletNumber, copyNumber);
-    uint tuple = lowHalf(extra.x);
-    uint width = tuple == 0xFFFFu ? 4u : 0u;
-    PackedVertex stored = loadWidth(place, copyNumber, width);
+Vertex loadMeshletVertex(uint firstByte, uint copyNumber, uint blendBytes, uvec2 blend) {
+    PackedVertex stored = loadPacked(copyNumber, firstByte, 14u + blendBytes);
     Vertex vertex = baseVertex(stored);
-    if (width == 0u) {
-        vertex.weights0 = meshletWeights(extra);
-    } else {
-        PermutationBlend blend = decodePermutation(uvec2(blendBytes(stored, width), 0u));
-        vertex = withBlend(vertex, blend);
-        tuple = blend.tuple;
+    if (blendBytes == 0u) {
+        vertex.weights0 = meshletWeights(blend);
+        return withTuple(vertex, lowHalf(blend.x), copyNumber);
     }
-    return withTuple(vertex, tuple, copyNumber);
+    PermutationBlend decoded = decodePermutation(uvec2(codeBytes(stored, blendBytes), 0u));
+    return withTuple(withBlend(vertex, decoded), decoded.tuple, copyNumber);
 }
