@@ -70,6 +70,7 @@ struct Selectors {
     double precision = -1;  // percent; below 0: chosen from the devices, or 0 where frames or rounds are given
     double timeLimit = -1;  // seconds; below 0: chosen from the devices
     bool selfTest = false;
+    std::string placement = "kept";
     std::string size = "1920x1080";
     std::string preset;
     uint32_t seed = 1;
@@ -101,8 +102,9 @@ Result<Workload> openWorkload(const std::string& scene, const WorkloadSettings& 
 void catchInterrupts();
 bool interrupted();
 
-// Progress on a terminal, and the end at an interrupt; the checkpoint is left empty.
-BenchEvents consoleEvents();
+// Progress on a terminal, the end at an interrupt, and what `context` tells of devices and durations; the checkpoint is
+// left empty.
+BenchEvents consoleEvents(RunContext& context);
 
 // Everything but `bench` and `calibrations`. `scene` is the workload's, prepared.
 RunContext runContext(const Devices& devices, const Workload& workload, const Scene& scene);

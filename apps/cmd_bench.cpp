@@ -82,7 +82,7 @@ int runCases(const RunOptions& options) {
         if (!calibrations) return reportError(calibrations.error());
         context.calibrations = std::move(*calibrations);
     }
-    BenchEvents events = consoleEvents();
+    BenchEvents events = consoleEvents(context);
     // Writing takes no more than a tenth of the run, so a crash loses the cases of ten writes at the most.
     using Clock = std::chrono::steady_clock;
     Clock::time_point next = Clock::now();
@@ -93,7 +93,6 @@ int runCases(const RunOptions& options) {
         next = Clock::now() + (Clock::now() - start) * 10;
         return written;
     };
-    events.timing = [&] { context.deviceStates.push_back(readDeviceStates()); };
     if (auto first = events.checkpoint({}); !first) return reportError(first.error());
     auto results = runBench(*workload, *cases, devices->byApi, context.bench, events);
     if (!results) return reportError(results.error());

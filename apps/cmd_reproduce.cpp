@@ -149,9 +149,7 @@ Result<ReproduceRun> runPlanned(Reproducing& all, Workload& workload, const Plan
     RunContext context = runContext(all.devices, workload, **scene);
     context.bench = benchSettings(all.selectors, all.devices.anyHardware);
     context.bench.limits = false;  // no table has them
-    BenchEvents events = consoleEvents();
-    events.timing = [&] { context.deviceStates.push_back(readDeviceStates()); };
-    auto results = runBench(workload, planned.cases, all.devices.byApi, context.bench, events);
+    auto results = runBench(workload, planned.cases, all.devices.byApi, context.bench, consoleEvents(context));
     if (!results) return std::unexpected(results.error());
     ReproduceRun run{planned.geometry, planned.cacheOrder, resultsJson(context, *results)};
     all.results.insert(all.results.end(), results->begin(), results->end());

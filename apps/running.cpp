@@ -46,10 +46,17 @@ void catchInterrupts() {
 
 bool interrupted() { return stopRequested; }
 
-BenchEvents consoleEvents() {
+BenchEvents consoleEvents(RunContext& context) {
     BenchEvents events;
     events.progress = [bar = ProgressBar{}](const std::string& what, double fraction) { bar.draw(what, fraction); };
     events.stop = interrupted;
+    events.timing = [&context, start = std::chrono::steady_clock::now()]() mutable {
+        const auto now = std::chrono::steady_clock::now();
+        (context.deviceStates.empty() ? context.verifiedSeconds : context.timedSeconds) =
+            std::chrono::duration<double>(now - start).count();
+        start = now;
+        context.deviceStates.push_back(readDeviceStates());
+    };
     return events;
 }
 

@@ -105,6 +105,7 @@ BenchSettings benchSettings(const Selectors& s, bool anyHardware) {
     settings.timeLimit = s.timeLimit >= 0 ? s.timeLimit : preset.timeLimit;
     settings.limits = true;
     settings.selfTest = s.selfTest;
+    settings.freshPlacement = s.placement == "fresh";
     settings.seed = s.seed;
     settings.tolerance = s.tolerance;
     return settings;

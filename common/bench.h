@@ -24,6 +24,7 @@ struct BenchSettings {
     double timeLimit = 0;         // seconds after which no such round begins; 0: none
     bool limits = false;          // also time every case's limitCase
     bool selfTest = false;        // time every case twice, as if it were two
+    bool freshPlacement = false;  // prepare every case anew for every round, so that its memory lies elsewhere
     uint32_t seed = 1;            // of the order within a round
     bool timed = true;            // false: verify only
     double tolerance = 2e-6;      // largest position error, relative to the posed bounding box's diagonal

@@ -90,6 +90,11 @@ Result<void> countCase(Timer& timer, CaseResult& result, Prepared& ready) {
     return {};
 }
 
+void dropAll(Timer& timer) {
+    for (auto& [number, ready] : timer.resident) releaseCase(ready);
+    timer.resident.clear();
+}
+
 // Gives whether anything was prepared; what cannot be is failed.
 bool prepareGroup(Timer& timer, std::span<const size_t> group) {
     bool any = false;
@@ -239,6 +244,7 @@ Result<void> timeCases(Runner& runner) {
             if (needsRound(settings, runner.results[i], round)) order.push_back(i);
         if (order.empty()) break;
         shuffle(order, random);
+        if (settings.freshPlacement) dropAll(timer);
         const auto [from, count] = framesOfRound(settings, round);
         double done = 0;
         for (const std::span<const size_t> group : groupsOf(timer, order)) {
@@ -256,7 +262,7 @@ Result<void> timeCases(Runner& runner) {
         }
     }
     if (timer.began && runner.events.timing) runner.events.timing();
-    for (auto& [number, ready] : timer.resident) releaseCase(ready);
+    dropAll(timer);
     return outcome;
 }
 

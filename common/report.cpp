@@ -286,7 +286,9 @@ static Json statesJson(const std::vector<DeviceState>& states) {
 static Json environmentJson(const RunContext& context) {
     const auto& states = context.deviceStates;
     return {{"before", states.empty() ? Json::array() : statesJson(states.front())},
-            {"after", states.size() < 2 ? Json::array() : statesJson(states.back())}};
+            {"after", states.size() < 2 ? Json::array() : statesJson(states.back())},
+            {"verified_s", context.verifiedSeconds},
+            {"timed_s", context.timedSeconds}};
 }
 
 // A case of the self-test and its twin behind it.
@@ -371,6 +373,7 @@ static Json settingsJson(const RunContext& context) {
             {"precision", positive(context.bench.precision)},
             {"time_limit_s", positive(context.bench.timeLimit)},
             {"seed", context.bench.seed},
+            {"placement", context.bench.freshPlacement ? "fresh" : "kept"},
             {"geometry", geometryName(context.workload.prepare.geometry)},
             {"cache_order", context.workload.prepare.cacheOrder}};
 }

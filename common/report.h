@@ -31,6 +31,7 @@ struct RunContext {
     std::vector<Calibration> calibrations;
     std::map<Api, double> copyBandwidth;                 // bytes a second, by API that was opened
     std::vector<std::vector<DeviceState>> deviceStates;  // when timing began and when it ended
+    double verifiedSeconds = 0, timedSeconds = 0;        // host time of the two parts of a run
     std::vector<std::string> warnings;                   // that concern the figures
 };
 

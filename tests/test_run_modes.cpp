@@ -57,7 +57,45 @@ Drawn drawBothWays(Workload& workload, const Case& which, Backend& backend) {
     return drawn;
 }
 
+// Counts what is prepared on another backend.
+struct CountingBackend final : Backend {
+    explicit CountingBackend(Backend& inner) : inner(inner) {}
+    const DeviceCaps& caps() const override { return inner.caps(); }
+    Result<PlanId> prepare(const FramePlan& plan) override { return ++prepared, inner.prepare(plan); }
+    Result<std::vector<Timing>> run(PlanId id, std::span<const FrameInput> frames, RunMode mode) override {
+        return inner.run(id, frames, mode);
+    }
+    Result<Image> readImage(PlanId id) override { return inner.readImage(id); }
+    Result<std::vector<std::byte>> readStream(PlanId id, uint32_t slot) override { return inner.readStream(id, slot); }
+    void release(PlanId id) override {
+        ++released;
+        inner.release(id);
+    }
+    std::vector<std::string> takeMessages() override { return inner.takeMessages(); }
+
+    Backend& inner;
+    size_t prepared = 0, released = 0;
+};
+
 }  // namespace
+
+TEST_CASE("cases keep their memory between rounds, or each round prepares them anew") {
+    if (!anyDriver()) SKIP("no Vulkan and no OpenGL driver on this machine");
+    for (const Case& which : offered({makeCase("vk", "vertex"), makeCase("gl", "compute")}))
+        for (bool fresh : {false, true}) {
+            Workload workload = tinyWorkload(kCopies);
+            CountingBackend counting(*openedBackends().at(which.route->api).backend);
+            BenchSettings settings = fewFrames();
+            settings.freshPlacement = fresh;
+            auto results = runBench(workload, {which}, {{which.route->api, {&counting, {}}}}, settings, {});
+            REQUIRE(results);
+            INFO(results->at(0).id << ": " << results->at(0).reason);
+            CHECK(results->at(0).status == CaseStatus::ok);
+            CHECK(results->at(0).roundSizes == std::vector<size_t>{2, 2});
+            CHECK(counting.prepared == (fresh ? 3 : 2));  // once to verify
+            CHECK(counting.released == counting.prepared);
+        }
+}
 
 TEST_CASE("limits are verified and timed beside the cases, each once") {
     if (!anyDriver()) SKIP("no Vulkan and no OpenGL driver on this machine");
