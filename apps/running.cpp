@@ -12,7 +12,19 @@
 namespace skinbench {
 namespace {
 
-std::atomic<bool> stopRequested = false;
+std::atomic<int64_t> stopRequested = 0;  // when, in nanoseconds; 0: it was not
+
+// The first signal asks to end, a later one ends at once. Within a second it is the same request: coreutils' timeout
+// sends its signal to the process and to the process's group.
+void onSignal(int signal) {
+    timespec now{};
+    clock_gettime(CLOCK_MONOTONIC, &now);
+    const int64_t at = int64_t{now.tv_sec} * 1'000'000'000 + now.tv_nsec;
+    int64_t first = 0;
+    if (stopRequested.compare_exchange_strong(first, at) || at - first < 1'000'000'000) return;
+    ::signal(signal, SIG_DFL);
+    raise(signal);
+}
 
 // A bar with the time left, on a terminal only.
 struct ProgressBar {
@@ -38,13 +50,12 @@ struct ProgressBar {
 
 void catchInterrupts() {
     struct sigaction action = {};
-    action.sa_handler = [](int) { stopRequested = true; };
-    action.sa_flags = static_cast<int>(SA_RESETHAND);
+    action.sa_handler = onSignal;
     sigaction(SIGINT, &action, nullptr);
     sigaction(SIGTERM, &action, nullptr);
 }
 
-bool interrupted() { return stopRequested; }
+bool interrupted() { return stopRequested != 0; }
 
 BenchEvents consoleEvents(RunContext& context) {
     BenchEvents events;

@@ -562,6 +562,9 @@ TEST_CASE("an interrupted bench keeps what was measured") {
             const auto text = readWholeFile(pathOf("cut/results.json"));
             timed = text && text->find("samples") != std::string::npos;
         }
+        // Twice, as coreutils' timeout does.
+        kill(running.pid, signal);
+        std::this_thread::sleep_for(std::chrono::milliseconds(5));
         kill(running.pid, signal);
         const Outcome outcome = finish(running);
         INFO(outcome.err);
