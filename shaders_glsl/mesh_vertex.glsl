@@ -64,9 +64,9 @@ Vertex fetchVertex(Meshlet meshlet, uint i, uint id) {
     return vertex;
 #elif CODEC_PER_MESHLET
 #if RECORDS_ORDERED
-    uint firstByte = meshlet.firstByte + i * (14u + meshlet.blendBytes);
+    uint firstByte = meshlet.firstByte + i * vertexBytes(meshlet.blendBytes);
 #else
-    uint firstByte = vertexByte(id, meshlet.blendBytes);
+    uint firstByte = firstByteOf(id, meshlet.blendBytes);
 #endif
     return loadMeshletVertex(firstByte, meshlet.copyNumber, meshlet.blendBytes, meshlet.blend);
 #else

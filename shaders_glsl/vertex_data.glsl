@@ -5,12 +5,13 @@
 // or, with CODEC_PER_MESHLET 1,
 //
 //   uvec2 loadMeshletBlend(uint meshletNumber, uint copyNumber)
-//   uint vertexByte(uint number, uint blendBytes)
+//   uint vertexBytes(uint blendBytes)
+//   uint firstByteOf(uint number, uint blendBytes)
 //   Vertex loadMeshletVertex(uint firstByte, uint copyNumber, uint blendBytes, uvec2 blend)
 //
 // `place` counts vertices over all copies, `number`, `firstByte` and `meshletNumber` within the copy. The meshlet's
-// header tells `blendBytes` and, with ordered records, the byte too, so that a vertex need not wait for `blend`. Codecs trust their encoder: no index
-// is tested. Their files include the parts that they need, the parts include nothing.
+// header tells `blendBytes` and, with ordered records, the byte too, so that a vertex need not wait for `blend`. Codecs
+// trust their encoder: no index is tested. Their files include the parts that they need, the parts include nothing.
 #include "shared.h"
 
 struct Vertex {

@@ -7,7 +7,8 @@ namespace skinbench::glsl::DECODER {
 
 static Decoded load(uint place, uint copyNumber, uint meshletNumber, uint blendBytes) {
 #ifdef CODEC_PER_MESHLET
-    const Vertex v = loadMeshletVertex(vertexByte(place - copyNumber * uint(VERTEX_COUNT), blendBytes), copyNumber, blendBytes, loadMeshletBlend(meshletNumber, copyNumber));
+    const Vertex v = loadMeshletVertex(firstByteOf(place - copyNumber * uint(VERTEX_COUNT), blendBytes), copyNumber,
+                                       blendBytes, loadMeshletBlend(meshletNumber, copyNumber));
 #else
     const Vertex v = loadVertex(place, copyNumber);
 #endif

@@ -13,6 +13,7 @@
 #include <thread>
 
 #include <catch2/catch_test_macros.hpp>
+#include <catch2/matchers/catch_matchers_string.hpp>
 
 #include "common/file.h"
 #include "tests/gltf_fixture.h"
@@ -91,6 +92,19 @@ inline std::vector<std::string> linesOf(const std::string& text) {
     std::istringstream stream(text);
     for (std::string line; std::getline(stream, line);) lines.push_back(line);
     return lines;
+}
+
+// One line "skinbench: …" beside warnings, nothing on standard output.
+inline void checkRefused(const Outcome& outcome, int status, const std::string& part) {
+    INFO("standard error: " << outcome.err);
+    CHECK(outcome.status == status);
+    CHECK(outcome.out == "");
+    std::vector<std::string> lines = linesOf(outcome.err);
+    std::erase_if(lines, [](const std::string& line) { return line.starts_with("skinbench: warning: "); });
+    REQUIRE(lines.size() == 1);
+    CHECK(lines[0].starts_with("skinbench: "));
+    CHECK(lines[0].size() < 500);
+    CHECK_THAT(lines[0], Catch::Matchers::ContainsSubstring(part));
 }
 
 }  // namespace program

@@ -120,7 +120,8 @@ uint64_t countWrong(const glsl::Decoder& decoder, const EncodedMesh& encoded, co
     for (uint32_t m = 0; m < cut.meshlets.size(); ++m)
         for (uint32_t i = 0; i < cut.meshlets[m].vertexCount; ++i) {
             const uint32_t v = cut.vertices[cut.meshlets[m].firstVertex + i];
-            wrong += differs(decoder.load(copy * encoded.vertexCount + v, copy, m, encoded.blendBytes[m]), expected, v, tolerance);
+            wrong += differs(decoder.load(copy * encoded.vertexCount + v, copy, m, encoded.blendBytes[m]), expected, v,
+                             tolerance);
         }
     return wrong;
 }
@@ -406,7 +407,7 @@ vec4 use(Vertex v) {
     return sum;
 }
 #if CODEC_PER_MESHLET
-#define LOAD(place) loadMeshletVertex(vertexByte(place, 2u), 1u, 2u, loadMeshletBlend(0u, 1u))
+#define LOAD(place) loadMeshletVertex(firstByteOf(place, 2u), 1u, 2u, loadMeshletBlend(0u, 1u))
 #else
 #define LOAD(place) loadVertex(place, 1u)
 #endif

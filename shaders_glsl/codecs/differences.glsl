@@ -7,7 +7,8 @@ layout(std430, binding = SLOT_MESHLET_EXTRA) readonly restrict buffer MeshletExt
 // By width; modulo 2^32.
 const uint sections[5] = SECTIONS;
 
-uint vertexByte(uint number, uint width) { return sections[width] + number * (14u + width); }
+uint vertexBytes(uint width) { return 14u + width; }
+uint firstByteOf(uint number, uint width) { return sections[width] + number * vertexBytes(width); }
 
 uvec2 loadMeshletBlend(uint meshletNumber, uint copyNumber) {
     return meshletExtra[copyNumber * uint(MESHLET_COUNT) + meshletNumber];

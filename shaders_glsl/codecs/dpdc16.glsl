@@ -27,7 +27,7 @@ uint pick(uvec4 joints, uint slot) {
 }
 
 Vertex loadMeshletVertex(uint firstByte, uint copyNumber, uint blendBytes, uvec2 blend) {
-    PackedVertex stored = loadPacked(copyNumber, firstByte, 14u + blendBytes);
+    PackedVertex stored = loadPacked(copyNumber, firstByte, vertexBytes(blendBytes));
     PermutationBlend decoded = decodePermutation(uvec2(blend.x + codeBytes(stored, blendBytes), 0u));
     Vertex vertex = withBlend(baseVertex(stored), decoded);
     vertex = withTuple(vertex, decoded.tuple % uint(MOST_TUPLES), copyNumber);

@@ -7,7 +7,7 @@
 #include "codecs/differences.glsl"
 
 Vertex loadMeshletVertex(uint firstByte, uint copyNumber, uint blendBytes, uvec2 blend) {
-    PackedVertex stored = loadPacked(copyNumber, firstByte, 14u + blendBytes);
+    PackedVertex stored = loadPacked(copyNumber, firstByte, vertexBytes(blendBytes));
     PermutationBlend decoded = decodePermutation(uvec2(blend.x + codeBytes(stored, blendBytes), 0u));
     return withTuple(withBlend(baseVertex(stored), decoded), decoded.tuple, copyNumber);
 }

@@ -13,7 +13,7 @@ vec4 meshletWeights(uvec2 blend) {
 }
 
 Vertex loadMeshletVertex(uint firstByte, uint copyNumber, uint blendBytes, uvec2 blend) {
-    PackedVertex stored = loadPacked(copyNumber, firstByte, 14u + blendBytes);
+    PackedVertex stored = loadPacked(copyNumber, firstByte, vertexBytes(blendBytes));
     Vertex vertex = baseVertex(stored);
     if (blendBytes == 0u) {
         vertex.weights0 = meshletWeights(blend);
