@@ -113,7 +113,6 @@ void fillLimits(Adapter& adapter) {
     caps.maxStorageBytes = p.limits.maxStorageBufferRange;
     caps.maxUniformBytes = p.limits.maxUniformBufferRange;
     caps.storageBlocksVertex = p.limits.maxPerStageDescriptorStorageBuffers;
-    adapter.maxBufferBytes = UINT64_MAX;
 }
 
 MeshLimitsOfDevice limitsOf(const VkPhysicalDeviceMeshShaderPropertiesEXT& p) {
@@ -178,8 +177,8 @@ void fillExtended(Adapter& adapter) {
     caps.meshCounters = caps.pipelineStatistics && extFeatures.meshShaderQueries;
     if (*driver.driverName)
         caps.driver = driver.driverName + (*driver.driverInfo ? " " + std::string(driver.driverInfo) : "");
-    adapter.maxBufferBytes = allocation.maxMemoryAllocationSize;
-    if (buffer.maxBufferSize) adapter.maxBufferBytes = std::min(adapter.maxBufferBytes, buffer.maxBufferSize);
+    caps.maxBufferBytes = allocation.maxMemoryAllocationSize;  // a buffer has an allocation of its own
+    if (buffer.maxBufferSize) caps.maxBufferBytes = std::min(caps.maxBufferBytes, buffer.maxBufferSize);
     if (hasExt && extFeatures.meshShader) caps.ext = limitsOf(ext);
     if (hasNv && nvFeatures.meshShader) caps.nv = limitsOf(nv);
     adapter.taskExt = extFeatures.taskShader;

@@ -41,7 +41,6 @@ struct Adapter {
     uint32_t apiVersion = 0;
     std::optional<uint32_t> queueFamily;  // the first with graphics and compute
     VkPhysicalDeviceProperties properties{};
-    uint64_t maxBufferBytes = 0;  // of one buffer and of one allocation
     bool taskExt = false;
     bool taskNv = false;
     DeviceCaps caps;

@@ -176,7 +176,7 @@ void assertWellFormed(const FramePlan& plan) {
 
 Result<void> checkBinding(const Device& device, const std::string& who, uint32_t use, uint64_t bytes) {
     const bool uniform = use & useUniform, storage = use & useStorage;
-    uint64_t limit = device.adapter.maxBufferBytes;
+    uint64_t limit = device.caps.maxBufferBytes;
     if (uniform) limit = std::min(limit, device.caps.maxUniformBytes);
     if (storage) limit = std::min(limit, device.caps.maxStorageBytes);
     if (bytes <= limit) return {};
@@ -276,7 +276,7 @@ Result<std::unique_ptr<Plan>> makePlanObjects(Device& device, VkPipelineCache ca
 
 static Result<void> growFrameData(Device& device, FrameData& data, const Plan& plan, uint64_t bytes) {
     if (data.buffer.bytes >= bytes && data.buffer.handle) return {};
-    const uint64_t limit = std::min<uint64_t>(device.adapter.maxBufferBytes, UINT32_MAX);  // dynamic offsets: 32 bits
+    const uint64_t limit = std::min<uint64_t>(device.caps.maxBufferBytes, UINT32_MAX);  // dynamic offsets: 32 bits
     if (bytes > limit)
         return deviceError(
             std::format("{}: the palettes of the batch have {} bytes, and {} takes at most {} in one buffer; "

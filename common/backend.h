@@ -63,11 +63,12 @@ struct DeviceCaps {
     uint32_t subpixelBits = 0;   // of the rasteriser's fixed-point positions
     uint32_t maxComputeGroupSize = 0;
     uint32_t maxComputeSharedBytes = 0;
-    uint32_t maxComputeGroupCount = 0;  // x
-    uint64_t maxStorageBytes = 0;       // of one storage buffer binding
-    uint64_t maxUniformBytes = 0;       // of one uniform buffer binding
-    uint32_t storageBlocksVertex = 0;   // storage blocks a vertex stage may have
-    uint64_t deviceBytes = 0;           // memory of the device's largest heap; 0: the driver does not say
+    uint32_t maxComputeGroupCount = 0;     // x
+    uint64_t maxBufferBytes = UINT64_MAX;  // of one buffer
+    uint64_t maxStorageBytes = 0;          // of one storage buffer binding
+    uint64_t maxUniformBytes = 0;          // of one uniform buffer binding
+    uint32_t storageBlocksVertex = 0;      // storage blocks a vertex stage may have
+    uint64_t deviceBytes = 0;              // memory of the device's largest heap; 0: the driver does not say
     bool pipelineStatistics = false;
     bool meshCounters = false;        // statistics of task and mesh stages in the EXT dialect
     bool lastMeshOutputLost = false;  // a driver fault, found by a test draw: the last location that mesh stages write

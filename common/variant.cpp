@@ -269,9 +269,12 @@ Result<FramePlan> makePlan(const Case& which, const PlanInput& input, const Devi
     if (which.route->api == Api::cpu) return plan;
     for (const Stream& stream : plan->streams) {
         const uint64_t bytes = stream.bytes ? uint64_t{stream.bytes->size()} * stream.replicas : stream.gpuBytes;
-        if ((stream.use & useStorage) && bytes > caps.maxStorageBytes)
-            return deviceError(std::format("needs a storage buffer of {} for {} copies: {} allows {}; use fewer copies",
-                                           mebibytes(bytes), input.copies, caps.name, mebibytes(caps.maxStorageBytes)));
+        const bool storage = stream.use & useStorage;
+        const uint64_t most = storage ? std::min(caps.maxStorageBytes, caps.maxBufferBytes) : caps.maxBufferBytes;
+        if (bytes > most)
+            return deviceError(std::format("needs a {}buffer of {} for {} copies: {} allows {}; use fewer copies",
+                                           storage ? "storage " : "", mebibytes(bytes), input.copies, caps.name,
+                                           mebibytes(most)));
     }
     if (plan->paletteRange > caps.maxUniformBytes)
         return deviceError(std::format("needs a uniform block of {} bytes for {} joints: {} allows {}",

@@ -401,6 +401,14 @@ TEST_CASE("a plan that the device cannot hold is refused with both numbers") {
     CHECK_THAT(plan.error().text, ContainsSubstring("needs a palette of " + mebibytes(1000 * 12 * 48)));
 
     caps = generousCaps(Api::vulkan);
+    caps.maxBufferBytes = vertexBytes;
+    CHECK(makePlan(makeCase("vk", "vertex"), *input, caps));
+    caps.maxBufferBytes = vertexBytes - 1;
+    plan = makePlan(makeCase("vk", "vertex"), *input, caps);
+    REQUIRE(!plan);
+    CHECK_THAT(plan.error().text, ContainsSubstring("needs a buffer of " + mebibytes(vertexBytes)));
+
+    caps = generousCaps(Api::vulkan);
     const uint64_t needed = planBytes(*makePlan(which, *input, caps));
     caps.deviceBytes = needed;
     CHECK(makePlan(which, *input, caps));
