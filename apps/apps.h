@@ -1,6 +1,7 @@
 // What the subcommands share: the words of the command line, the selectors of bench and verify, opened devices.
 #pragma once
 
+#include <functional>
 #include <memory>
 #include <optional>
 #include <string>
@@ -105,6 +106,10 @@ bool interrupted();
 // Progress on a terminal, the end at an interrupt, and what `context` tells of devices and durations; the checkpoint is
 // left empty.
 BenchEvents consoleEvents(RunContext& context);
+
+// A checkpoint that takes no more than a tenth of the run, so a crash loses the cases of ten writes at the most.
+using Checkpoint = std::function<Result<void>(const std::vector<CaseResult>&)>;
+Checkpoint nowAndThen(Checkpoint write);
 
 // Everything but `bench` and `calibrations`. `scene` is the workload's, prepared.
 RunContext runContext(const Devices& devices, const Workload& workload, const Scene& scene);

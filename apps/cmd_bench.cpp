@@ -1,5 +1,4 @@
 #include <algorithm>
-#include <chrono>
 #include <format>
 #include <iostream>
 
@@ -83,16 +82,9 @@ int runCases(const RunOptions& options) {
         context.calibrations = std::move(*calibrations);
     }
     BenchEvents events = consoleEvents(context);
-    // Writing takes no more than a tenth of the run, so a crash loses the cases of ten writes at the most.
-    using Clock = std::chrono::steady_clock;
-    Clock::time_point next = Clock::now();
-    events.checkpoint = [&](const std::vector<CaseResult>& results) -> Result<void> {
-        const auto start = Clock::now();
-        if (start < next) return {};
-        auto written = writeResults(options.out, resultsJson(context, results));
-        next = Clock::now() + (Clock::now() - start) * 10;
-        return written;
-    };
+    events.checkpoint = nowAndThen([&](const std::vector<CaseResult>& results) {
+        return writeResults(options.out, resultsJson(context, results));
+    });
     if (auto first = events.checkpoint({}); !first) return reportError(first.error());
     auto results = runBench(*workload, *cases, devices->byApi, context.bench, events);
     if (!results) return reportError(results.error());

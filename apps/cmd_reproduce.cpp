@@ -140,20 +140,30 @@ struct Reproducing {
     const Selectors& selectors;
     const Devices& devices;
     const std::vector<PlannedRun>& runs;
-    std::vector<CaseResult> results;  // of all runs
+    std::function<Result<void>(const ReproduceScene&)> save;  // with the scenes that are done
+    std::vector<CaseResult> results;                          // of all runs
 };
 
-Result<ReproduceRun> runPlanned(Reproducing& all, Workload& workload, const PlannedRun& planned) {
+Result<ReproduceRun> runPlanned(Reproducing& all, const ReproduceScene& before, Workload& workload,
+                                const PlannedRun& planned) {
     auto scene = sceneFor(workload, planned.cases.front().influences);
     if (!scene) return std::unexpected(scene.error());
     RunContext context = runContext(all.devices, workload, **scene);
     context.bench = benchSettings(all.selectors, all.devices.anyHardware);
     context.bench.limits = false;  // no table has them
-    auto results = runBench(workload, planned.cases, all.devices.byApi, context.bench, consoleEvents(context));
+    auto runOf = [&](const std::vector<CaseResult>& results) {
+        return ReproduceRun{planned.geometry, planned.cacheOrder, resultsJson(context, results)};
+    };
+    BenchEvents events = consoleEvents(context);
+    events.checkpoint = nowAndThen([&](const std::vector<CaseResult>& soFar) {
+        ReproduceScene scene = before;
+        scene.runs.push_back(runOf(soFar));
+        return all.save(scene);
+    });
+    auto results = runBench(workload, planned.cases, all.devices.byApi, context.bench, events);
     if (!results) return std::unexpected(results.error());
-    ReproduceRun run{planned.geometry, planned.cacheOrder, resultsJson(context, *results)};
     all.results.insert(all.results.end(), results->begin(), results->end());
-    return run;
+    return runOf(*results);
 }
 
 Result<ReproduceScene> runScene(Reproducing& all, Workload& given) {
@@ -176,7 +186,7 @@ Result<ReproduceScene> runScene(Reproducing& all, Workload& given) {
         workloadSettings.prepare.cacheOrder = planned.cacheOrder;
         auto workload = makeWorkload(given.stored, given.shaders, workloadSettings);
         if (!workload) return std::unexpected(workload.error());
-        auto run = runPlanned(all, *workload, planned);
+        auto run = runPlanned(all, scene, *workload, planned);
         if (!run) return std::unexpected(run.error());
         scene.runs.push_back(std::move(*run));
     }
@@ -231,8 +241,14 @@ int runReproduce(const ReproduceOptions& options) {
         workloads.push_back(std::move(*workload));
     }
     catchInterrupts();
-    Reproducing all{*thesis, selectors, *devices, *runs, {}};
     std::vector<ReproduceScene> scenes;
+    auto save = [&](const ReproduceScene& partly) -> Result<void> {
+        std::vector<ReproduceScene> all = scenes;
+        all.push_back(partly);
+        auto written = writeAll(options, *thesis, all);
+        return written ? Result<void>{} : std::unexpected(written.error());
+    };
+    Reproducing all{*thesis, selectors, *devices, *runs, save, {}};
     // A folder that cannot be written is told before minutes are spent.
     auto json = writeAll(options, *thesis, scenes);
     for (Workload& workload : workloads) {

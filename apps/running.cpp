@@ -71,6 +71,17 @@ BenchEvents consoleEvents(RunContext& context) {
     return events;
 }
 
+Checkpoint nowAndThen(Checkpoint write) {
+    using Clock = std::chrono::steady_clock;
+    return [write = std::move(write), next = Clock::now()](const std::vector<CaseResult>& results) mutable {
+        const auto start = Clock::now();
+        if (start < next) return Result<void>{};
+        auto written = write(results);
+        next = Clock::now() + (Clock::now() - start) * 10;
+        return written;
+    };
+}
+
 RunContext runContext(const Devices& devices, const Workload& workload, const Scene& scene) {
     RunContext context = hostContext();
     context.devices = devices.caps;

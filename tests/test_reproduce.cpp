@@ -350,3 +350,28 @@ TEST_CASE("reproduce as a user calls it") {
                    ContainsSubstring("## Known slips"));
     }
 }
+
+TEST_CASE("a reproduction that is killed keeps what was measured") {
+    const program::Running running =
+        program::start({"reproduce", "torabi", "builtin:robot:2000", "--routes", "vk,vk-ext", "--size", "64x64",
+                        "--frames", "4000", "--rounds", "1000", "--out", "killed"});
+    Json json;
+    const auto measured = [&] {
+        const auto text = readWholeFile(program::pathOf("killed/reproduce.json"));
+        json = Json::parse(text.value_or(""), nullptr, false);
+        return json.is_object() && !json["runs"].empty() &&
+               std::ranges::any_of(json["runs"][0]["cases"], [](const Json& c) { return c["gpu_ms"].is_object(); });
+    };
+    bool found = false;
+    for (int tries = 0; tries < 2000 && !found; ++tries) {
+        std::this_thread::sleep_for(std::chrono::milliseconds(20));
+        found = measured();
+    }
+    kill(running.pid, SIGKILL);
+    const program::Outcome outcome = program::finish(running);
+    INFO(outcome.err);
+    CHECK(outcome.status == 128 + SIGKILL);
+    CHECK(found);
+    CHECK(measured());
+    CHECK_THAT(readWholeFile(program::pathOf("killed/reproduce.md")).value_or(""), ContainsSubstring("robot"));
+}
