@@ -1,7 +1,6 @@
 // What the subcommands share: the words of the command line, the selectors of bench and verify, opened devices.
 #pragma once
 
-#include <functional>
 #include <memory>
 #include <optional>
 #include <string>
@@ -99,7 +98,7 @@ Result<Workload> openWorkload(const std::string& scene, const WorkloadSettings& 
 
 // --- running cases (running.cpp) -------------------------------------------------------------------------------
 
-// The first Ctrl-C ends the run after the current case, the second one at once.
+// The first SIGINT or SIGTERM ends the run after the current case; another one, more than a second later, at once.
 void catchInterrupts();
 bool interrupted();
 
@@ -108,7 +107,6 @@ bool interrupted();
 BenchEvents consoleEvents(RunContext& context);
 
 // A checkpoint that takes no more than a tenth of the run, so a crash loses the cases of ten writes at the most.
-using Checkpoint = std::function<Result<void>(const std::vector<CaseResult>&)>;
 Checkpoint nowAndThen(Checkpoint write);
 
 // Everything but `bench` and `calibrations`. `scene` is the workload's, prepared.

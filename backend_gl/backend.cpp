@@ -117,13 +117,14 @@ Result<void> GlBackend::checkLost() {
 }
 
 Result<void> GlBackend::waitForDevice(uint64_t frames) {
+    const uint64_t seconds = (frames + 1) * kSecondsPerFrame;  // one leads in
     GLsync fence = glFenceSync(GL_SYNC_GPU_COMMANDS_COMPLETE, 0);
-    GLenum status = glClientWaitSync(fence, GL_SYNC_FLUSH_COMMANDS_BIT, frames * kSecondsPerFrame * 1'000'000'000);
+    GLenum status = glClientWaitSync(fence, GL_SYNC_FLUSH_COMMANDS_BIT, seconds * 1'000'000'000);
     glDeleteSync(fence);
     if (auto checked = checkLost(); !checked) return checked;
     if (status == GL_ALREADY_SIGNALED || status == GL_CONDITION_SATISFIED) return {};
     lost_ = std::format("OpenGL: device {} did not finish {} frames in {} seconds; start again with fewer copies",
-                        caps().name, frames, frames * kSecondsPerFrame);
+                        caps().name, frames, seconds);
     return deviceError(lost_);
 }
 

@@ -235,8 +235,9 @@ public:
     // line, or when the device has not the memory; nothing is left allocated then.
     virtual Result<PlanId> prepare(const FramePlan& plan) = 0;
 
-    // Uploads every palette first, then renders all frames in order and waits; one Timing a frame. Never fails
-    // because of what an earlier plan did; a lost device is an error of this and every later call.
+    // Uploads every palette first, then renders all frames in order and waits; one Timing a frame. The first frame may
+    // be rendered once more in front of it, so what a frame leaves behind must not depend on how often it ran. Never
+    // fails because of what an earlier plan did; a lost device is an error of this and every later call.
     virtual Result<std::vector<Timing>> run(PlanId plan, std::span<const FrameInput> frames,
                                             RunMode mode = RunMode::timed) = 0;
 

@@ -76,9 +76,11 @@ struct OpenBackend {
 };
 using Backends = std::map<Api, OpenBackend>;
 
+using Checkpoint = std::function<Result<void>(const std::vector<CaseResult>&)>;
+
 struct BenchEvents {
     std::function<void(const std::string& what, double fraction)> progress;  // fraction of the work that is done
-    std::function<Result<void>(const std::vector<CaseResult>&)> checkpoint;  // after every case
+    Checkpoint checkpoint;                                                   // after every case
     std::function<void()> timing;  // right after the first warm-up, and right behind the last timed frame
     std::function<bool()> stop;    // true: end after the current case
 };
