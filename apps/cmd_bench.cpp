@@ -41,8 +41,11 @@ int selfTestStatus(const nlohmann::ordered_json& json) {
     const auto& rows = json["self_test"];
     const auto unequal = std::ranges::count_if(rows, [](const auto& row) { return !row["equal"]; });
     if (unequal == 0) return kExitDone;
-    return reportError(
-        {Fault::device, std::format("{} of {} equal pairs differ beyond their intervals", unequal, rows.size())});
+    const char* hint = json["settings"]["placement"] == "kept" ? "; if --placement fresh finds them equal, it is where "
+                                                                 "their buffers lie"
+                                                               : "";
+    return reportError({Fault::device, std::format("{} of {} equal pairs differ beyond their intervals{}", unequal,
+                                                   rows.size(), hint)});
 }
 
 }  // namespace
