@@ -41,11 +41,10 @@ int selfTestStatus(const nlohmann::ordered_json& json) {
     const auto& rows = json["self_test"];
     const auto unequal = std::ranges::count_if(rows, [](const auto& row) { return !row["equal"]; });
     if (unequal == 0) return kExitDone;
-    const char* hint = json["settings"]["placement"] == "kept" ? "; if --placement fresh finds them equal, it is where "
-                                                                 "their buffers lie"
-                                                               : "";
-    return reportError({Fault::device, std::format("{} of {} equal pairs differ beyond their intervals{}", unequal,
-                                                   rows.size(), hint)});
+    const bool kept = json["settings"]["placement"] == "kept";
+    return reportError(
+        {Fault::device, std::format("{} of {} equal pairs differ beyond their intervals{}", unequal, rows.size(),
+                                    kept ? "; --placement fresh --rounds 8 averages over where buffers lie" : "")});
 }
 
 }  // namespace

@@ -3,7 +3,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <csignal>
 #include <iostream>
 #include <new>
 
@@ -300,7 +299,6 @@ int runProgram(int argc, char** argv) {
 }  // namespace skinbench
 
 int main(int argc, char** argv) {
-    std::signal(SIGINT, SIG_DFL);  // ./run starts the program with the signal ignored
     try {
         return skinbench::runProgram(argc, argv);
     } catch (const std::bad_alloc&) {

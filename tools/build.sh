@@ -11,7 +11,7 @@ build=$repo/build/${SKINBENCH_ENVIRONMENT:-native}-$preset
 
 if [ ! -f "$build/build.ninja" ]; then
     mkdir -p "$repo/build"
-    if ! env --default-signal=INT cmake -S "$repo" --preset "$preset" -B "$build" >"$build.log" 2>&1; then
+    if ! cmake -S "$repo" --preset "$preset" -B "$build" >"$build.log" 2>&1; then
         grep -A 6 'CMake Error' "$build.log" | head -n 20 >&2
         echo "skinbench: cmake could not configure $build; $build.log says why" >&2
         exit 1
@@ -19,7 +19,7 @@ if [ ! -f "$build/build.ninja" ]; then
 fi
 if ! ninja -C "$build" -n "$target" 2>/dev/null | grep -q 'no work to do'; then
     echo "skinbench: building $target in $build" >&2
-    env --default-signal=INT ninja -C "$build" "$target" >&2
+    ninja -C "$build" "$target" >&2
 fi
 [ $# -gt 0 ] || exit 0
 exec "${@//\{build\}/$build}"
