@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <format>
+#include <numeric>
 
 namespace skinbench {
 
@@ -140,6 +141,28 @@ const std::string& sceneOf(const ReproduceScene& scene) { return scene.inspectio
 const std::vector<const char*>& theses() {
     static const std::vector<const char*> names = {"torabi", "kimmersdorfer"};
     return names;
+}
+
+const CodecRow* codecRow(const ReproduceScene& scene, Geometry geometry, const Builder* builder,
+                         const std::string& codec) {
+    for (const CodecRow& row : scene.inspection.codecs)
+        if (row.geometry == geometry && row.builder == builder && row.codec->name == codec) return &row;
+    return nullptr;
+}
+
+uint64_t layoutBytes(const CodecRow& row, const char* layout) {
+    return row.descriptorBytes.at(layout) + row.dataBytes.at(layout);
+}
+
+std::vector<double> publishedBlend(const std::string& codec) {
+    std::vector<double> bytes;
+    for (const PublishedScene& scene : publishedKimmersdorfer().scenes)
+        if (const auto row = scene.blendBytes.find(codec); row != scene.blendBytes.end()) bytes.push_back(row->second);
+    return bytes;
+}
+
+double meanOf(const std::vector<double>& values) {
+    return values.empty() ? 0 : std::accumulate(values.begin(), values.end(), 0.0) / static_cast<double>(values.size());
 }
 
 }  // namespace skinbench

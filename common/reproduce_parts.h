@@ -72,4 +72,20 @@ std::vector<const ReproduceRun*> runsOf(const std::vector<ReproduceScene>& scene
 
 const std::string& sceneOf(const ReproduceScene& scene);
 
+// --- Kimmersdorfer ---------------------------------------------------------------------------------------------
+
+// Null where the inspection has none.
+const CodecRow* codecRow(const ReproduceScene& scene, Geometry geometry, const Builder* builder,
+                         const std::string& codec);
+
+// Of all meshlets in the layout, data included.
+uint64_t layoutBytes(const CodecRow& row, const char* layout);
+
+// Table 4.3 of the scenes that are in it.
+std::vector<double> publishedBlend(const std::string& codec);
+
+double meanOf(const std::vector<double>& values);  // 0 of none
+
+std::vector<Slip> kimmersdorferSlips(const std::vector<ReproduceScene>& scenes);
+
 }  // namespace skinbench
