@@ -79,15 +79,17 @@ static double resampledMedian(std::span<const std::span<const double>> rounds, s
     return medianOf(drawn);
 }
 
-static Interval middle95(std::span<const double> values) { return {quantile(values, 0.025), quantile(values, 0.975)}; }
+static Interval middle(std::span<const double> values, double level) {
+    return {quantile(values, (1 - level) / 2), quantile(values, (1 + level) / 2)};
+}
 
-Interval medianInterval(std::span<const double> samples, std::span<const size_t> roundSizes) {
+Interval medianInterval(std::span<const double> samples, std::span<const size_t> roundSizes, double level) {
     if (samples.empty()) return {};
     const auto rounds = roundsOf(samples, roundSizes);
     std::mt19937 random(kSeed);
     std::vector<double> medians(kResamples), drawn;
     for (double& median : medians) median = resampledMedian(rounds, drawn, random);
-    return middle95(medians);
+    return middle(medians, level);
 }
 
 Interval medianRatioInterval(const Measured& a, const Measured& b) {
@@ -98,7 +100,7 @@ Interval medianRatioInterval(const Measured& a, const Measured& b) {
         const double before = resampledMedian(roundsA, drawn, random);
         ratio = resampledMedian(roundsB, drawn, random) / before;
     }
-    return middle95(ratios);
+    return middle(ratios, 0.95);
 }
 
 double relativeHalfWidth(const Interval& interval, double median) {

@@ -34,10 +34,11 @@ struct Interval {
     bool operator==(const Interval&) const = default;
 };
 
-// The 95 % percentile-bootstrap interval of the median (Efron 1979), resampled in two stages: as many rounds as there
-// are, with replacement, then of each chosen round as many samples as it has (Davison and Hinkley 1997, 3.8). Sizes
-// must add up to the samples. A single sample is its own interval; no samples give 0, 0.
-Interval medianInterval(std::span<const double> samples, std::span<const size_t> roundSizes);
+// The percentile-bootstrap interval of the median (Efron 1979), resampled in two stages: as many rounds as there are,
+// with replacement, then of each chosen round as many samples as it has (Davison and Hinkley 1997, 3.8). `level`, above
+// 0 and below 1, is the share of resamples inside. Sizes must add up to the samples. A single sample is its own
+// interval; no samples give 0, 0.
+Interval medianInterval(std::span<const double> samples, std::span<const size_t> roundSizes, double level = 0.95);
 
 // Samples round behind round; sizes add up to the samples.
 struct Measured {
@@ -45,7 +46,7 @@ struct Measured {
     std::vector<size_t> roundSizes;
 };
 
-// The same for median(b) / median(a), of positive samples, at least one in each.
+// The same at 0.95 for median(b) / median(a), of positive samples, at least one in each.
 Interval medianRatioInterval(const Measured& a, const Measured& b);
 
 // Half of the interval's width over the median.

@@ -114,6 +114,8 @@ TEST_CASE("the interval of a median") {
         CHECK(interval.low < 100.2);
         CHECK(interval.high > 99.8);
         CHECK_THAT(interval.high - interval.low, WithinRel(theory, 0.25));
+        const Interval wider = medianInterval(samples, std::vector<size_t>{2000}, 0.995);
+        CHECK_THAT(wider.high - wider.low, WithinRel(theory * 2.81 / 1.96, 0.25));
     }
     SECTION("it holds the true median about as often as it says") {
         std::mt19937 random(11);
