@@ -44,7 +44,7 @@ int selfTestStatus(const nlohmann::ordered_json& json) {
     const bool kept = json["settings"]["placement"] == "kept";
     return reportError(
         {Fault::device, std::format("{} of {} equal pairs differ beyond their intervals{}", unequal, rows.size(),
-                                    kept ? "; --placement fresh --rounds 8 averages over where buffers lie" : "")});
+                                    kept ? "; --placement fresh averages over where buffers lie" : "")});
 }
 
 }  // namespace

@@ -115,8 +115,8 @@ Result<void> createAttachment(Target& target, VkFormat format, VkImageUsageFlags
 
 }  // namespace
 
-// Drivers ask for as little as 16 bytes, so that a vertex of 64 could lie across two cache lines in one case and in one
-// in its twin. OpenGL's drivers align on their own.
+// A driver may ask for as little as 16 bytes, so that the same vertices of 64 would lie across cache lines in one case
+// and within them in its twin. 256 is what other drivers ask for.
 constexpr VkDeviceSize kBufferAlignment = 256;
 
 VkResult tryCreateBuffer(Device& device, uint64_t bytes, VkBufferUsageFlags usage, Memory memory, Buffer& buffer) {
