@@ -115,8 +115,8 @@ Result<void> createAttachment(Target& target, VkFormat format, VkImageUsageFlags
 
 }  // namespace
 
-// A driver may ask for as little as 16 bytes, so that the same vertices of 64 would lie across cache lines in one case
-// and within them in its twin. 256 is what other drivers ask for.
+// What a driver asks for may be less than a vertex's 64 bytes, so that the same vertices could lie across cache lines
+// in one case and within them in its twin.
 constexpr VkDeviceSize kBufferAlignment = 256;
 
 VkResult tryCreateBuffer(Device& device, uint64_t bytes, VkBufferUsageFlags usage, Memory memory, Buffer& buffer) {

@@ -130,6 +130,25 @@ TEST_CASE("the interval of a median") {
         CHECK(holds >= 180);
         CHECK(holds < 200);
     }
+    SECTION("equal cases are seldom told apart by the self-test's rounds and level, even if rounds differ") {
+        std::mt19937 random(13);
+        std::normal_distribution<double> ofRound(0, 1), ofFrame(0, 0.2);
+        const std::vector<size_t> rounds(8, 4);
+        auto interval = [&] {
+            std::vector<double> samples;
+            for (size_t round : rounds) {
+                const double shared = ofRound(random);
+                for (size_t i = 0; i < round; ++i) samples.push_back(shared + ofFrame(random));
+            }
+            return medianInterval(samples, rounds, 0.995);
+        };
+        int apart = 0;
+        for (int trial = 0; trial < 400; ++trial) {
+            const Interval a = interval(), b = interval();
+            apart += a.high < b.low || b.high < a.low;
+        }
+        CHECK(apart <= 4);
+    }
     SECTION("rounds that lie apart widen it to their medians, whatever the samples of each round say") {
         std::vector<double> samples(30, 10.0);
         std::fill(samples.begin() + 10, samples.begin() + 20, 11.0);
