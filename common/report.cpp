@@ -312,8 +312,8 @@ static double differenceOf(const Twins& twins) {
 // Below it a difference is never told: what timestamps and clocks round.
 constexpr double kResolution = 0.001;
 
-// Fifty pairs are compared at once. Of eight rounds that differ, 95 % tells one equal pair in 70 apart by chance, 99.5
-// % one in 700 (simulated as in test_stats.cpp).
+// Fifty pairs are compared at once. Of eight rounds that differ, intervals of 95 % tell one equal pair in 80 apart by
+// chance, those of 99.5 % one in 700 (simulated as in test_stats.cpp).
 constexpr double kSelfTestLevel = 0.995;
 
 static bool skinsOnHost(const CaseResult& result) { return result.which.variant == findVariant("cpu"); }

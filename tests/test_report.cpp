@@ -286,6 +286,26 @@ TEST_CASE("the self-test tells the largest difference of equal cases") {
     CHECK(json["self_test"][2]["b_ms"] == 3);
 }
 
+TEST_CASE("the self-test tells pairs apart by more than the interval of one case") {
+    RunContext context = makeContext();
+    context.bench.selfTest = true;
+    auto equalAt = [&](double shift) {
+        std::vector<CaseResult> results(2, makeResult(scanCase("vk", "vertex"), CaseStatus::ok));
+        for (CaseResult& result : results) {
+            result.total.clear();
+            for (int i = 0; i < 8; ++i) result.total.push_back(100 + i + (&result == &results[1] ? shift : 0));
+            result.roundSizes.assign(8, 1);
+            result.interval = medianInterval(result.total, result.roundSizes);
+        }
+        results[1].isAgain = true;
+        const bool overlap = results[1].interval->low <= results[0].interval->high;
+        return std::pair(overlap, resultsJson(context, results)["self_test"][0]["equal"].get<bool>());
+    };
+    CHECK(equalAt(0) == std::pair(true, true));
+    CHECK(equalAt(5) == std::pair(false, true));
+    CHECK(equalAt(9) == std::pair(false, false));
+}
+
 TEST_CASE("null stands where nothing applies") {
     const Json json = sample();
     for (const char* key : {"gpu_ms", "passes_ms", "host_ms", "limit_ms", "meshlets", "memory_bytes", "accuracy"})
