@@ -70,7 +70,7 @@ struct Selectors {
     double precision = -1;  // percent; below 0: chosen from the devices, or 0 where frames or rounds are given
     double timeLimit = -1;  // seconds; below 0: chosen from the devices
     bool selfTest = false;
-    std::string placement = "kept";
+    std::string placement;  // empty: fresh for the self-test, otherwise kept
     std::string size = "1920x1080";
     std::string preset;
     uint32_t seed = 1;

@@ -109,7 +109,8 @@ BenchSettings benchSettings(const Selectors& s, bool anyHardware) {
     settings.timeLimit = s.timeLimit >= 0 ? s.timeLimit : preset.timeLimit;
     settings.limits = true;
     settings.selfTest = s.selfTest;
-    settings.freshPlacement = s.placement == "fresh";
+    // A pair kept in two places of the memory would differ alike in every round, which no interval tells.
+    settings.freshPlacement = s.placement.empty() ? s.selfTest : s.placement == "fresh";
     settings.seed = s.seed;
     settings.tolerance = s.tolerance;
     return settings;

@@ -98,9 +98,8 @@ void addSelectors(CLI::App& command, Selectors& s) {
     command
         .add_option("--placement", s.placement,
                     "kept: cases keep their memory between rounds; fresh: each round prepares them anew, so that the "
-                    "intervals cover where memory lies")
-        ->check(CLI::IsMember({"kept", "fresh"}))
-        ->capture_default_str();
+                    "intervals cover where memory lies (default: kept, with --self-test fresh)")
+        ->check(CLI::IsMember({"kept", "fresh"}));
     command.add_option("--size", s.size, "WIDTHxHEIGHT of the image")->capture_default_str();
     command.add_option("--preset", s.preset, presetWords() + ": copies, frames and raster modes");
     command.add_option("--seed", s.seed, "of the order of cases")->capture_default_str();

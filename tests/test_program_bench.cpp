@@ -99,6 +99,21 @@ TEST_CASE("bench writes what it prints, and report makes a page of it") {
     CHECK(refused > 20);
 }
 
+TEST_CASE("the self-test prepares its pairs anew in every round, a plain bench does not, unless it is told to") {
+    const auto placementOf = [](const Words& more) {
+        Words words = {"bench", "builtin:robot:2000", "--routes", "cpu", "--copies", "1",
+                       "--out", "placement",          "--json"};
+        words.insert(words.end(), more.begin(), more.end());
+        const json results = json::parse(call(words).out, nullptr, false);
+        REQUIRE(results.is_object());
+        return results["settings"]["placement"].get<std::string>();
+    };
+    CHECK(placementOf({}) == "kept");
+    CHECK(placementOf({"--self-test"}) == "fresh");
+    CHECK(placementOf({"--self-test", "--placement", "kept"}) == "kept");
+    CHECK(placementOf({"--placement", "fresh"}) == "fresh");
+}
+
 TEST_CASE("the same seed and scene give the same cases; lists are crossed") {
     const Words words = {"verify", "builtin:robot:2000", "--routes", "cpu,vk",   "--variants", "cpu,none", "--codecs",
                          "uc",     "--influences",       "4,8",      "--copies", "1",          "--size",   "64x64",
