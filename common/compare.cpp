@@ -108,6 +108,10 @@ Result<Comparison> compareChecked(const Json& a, const Json& b) {
     const auto floorA = floorOf(a), floorB = floorOf(b);
     comparison.noiseFloor = std::max(floorA.value_or(kDefaultNoiseFloor), floorB.value_or(kDefaultNoiseFloor));
     comparison.noiseFloorMeasured = floorA && floorB;
+    auto covers = [&](const Json& results, const auto& floor) {
+        return floor || results.value("settings", Json::object()).value("placement", "kept") == "fresh";
+    };
+    comparison.placementCovered = covers(a, floorA) && covers(b, floorB);
     for (const Json& row : a["cases"]) {
         const auto other = casesB->find(row["id"]);
         if (other == casesB->end())
@@ -213,6 +217,7 @@ Json comparisonJson(const Comparison& comparison) {
             {"differences", comparison.differences},
             {"noise_floor", comparison.noiseFloor},
             {"noise_floor_measured", comparison.noiseFloorMeasured},
+            {"placement_covered", comparison.placementCovered},
             {"cases", cases}};
 }
 
@@ -240,6 +245,11 @@ std::string comparisonText(const Comparison& comparison) {
         text += lineText(compared, width);
         previous = &compared;
     }
+    const bool hardware = std::ranges::any_of(
+        comparison.cases, [](const ComparedCase& compared) { return compared.ratio && !compared.b.software; });
+    if (hardware && !comparison.placementCovered)
+        text +=
+            "where memory lies is in no interval of cases that are kept in place: bench --placement fresh covers it\n";
     if (software) text += "* software driver: shows that the path works, not how fast a GPU is\n";
     return text;
 }

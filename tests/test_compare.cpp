@@ -157,6 +157,31 @@ TEST_CASE("the noise floor is the larger of both files, or the default") {
     CHECK(!half->noiseFloorMeasured);
 }
 
+TEST_CASE("compare says when neither intervals nor a noise floor cover where memory lies") {
+    const auto told = [](const Json& a, const Json& b) {
+        const auto compared = compareResults(a, b);
+        REQUIRE(compared);
+        CHECK(comparisonJson(*compared)["placement_covered"] == compared->placementCovered);
+        const bool said = comparisonText(*compared).find("where memory lies") != std::string::npos;
+        CHECK((said != compared->placementCovered || compared->cases[0].b.software));
+        return said;
+    };
+    Json a = file({timed("x", spread(10, 0.01, 30))}), b = a;  // as written before there was a placement
+    CHECK(told(a, b));
+    a["settings"]["placement"] = b["settings"]["placement"] = "kept";
+    CHECK(told(a, b));
+    a["settings"]["placement"] = "fresh";
+    CHECK(told(a, b));
+    b["noise_floor"] = 0.01;
+    CHECK(!told(a, b));
+    b["noise_floor"] = nullptr;
+    b["settings"]["placement"] = "fresh";
+    CHECK(!told(a, b));
+    a["settings"]["placement"] = b["settings"]["placement"] = "kept";
+    a["devices"][0]["software"] = b["devices"][0]["software"] = true;
+    CHECK(!told(a, b));
+}
+
 TEST_CASE("cases of one file, skipped and failed cases are listed") {
     const std::vector<double> samples = spread(10, 0.01, 20);
     const Json a = file({timed("both", samples), timed("gone", samples), timed("breaks", samples),
