@@ -60,6 +60,7 @@ private:
     void drawMesh(const GlPlan& plan, const LinkedProgram& program, uint32_t groups);
     void issueDraws(const GlPlan& plan, const Pass& pass, size_t frame);
     void beginPass(const GlPlan& plan, const Pass& pass, bool clear);
+    void timestamp(GLuint query);
     void recordPass(const GlPlan& plan, const Pass& pass, size_t frame, const GLuint* queries);
     void needQueries(size_t count);
     void readTimes(size_t pairs, std::vector<Timing>& timings);
@@ -290,6 +291,14 @@ void GlBackend::beginPass(const GlPlan& plan, const Pass& pass, bool clear) {
     glUseProgram(program.linked.id);
 }
 
+// Mesa's software driver puts a timestamp into its queue of tiles, and runs the geometry stages while the host records.
+// So the queue is empty on both sides; a GPU is not waited for here.
+void GlBackend::timestamp(GLuint query) {
+    if (caps().software) glFinish();
+    glQueryCounter(query, GL_TIMESTAMP);
+    if (caps().software) glFinish();
+}
+
 // OpenGL has no execution barrier. What stands for it: a timestamp is taken "after all previous commands … have been
 // fully realized" (OpenGL 4.6, 4.3), and glMemoryBarrier makes later commands wait for shader writes, which drivers
 // do by draining the pipeline. So the first timestamp follows the clear and the pass before, and the second one the
@@ -298,9 +307,9 @@ void GlBackend::beginPass(const GlPlan& plan, const Pass& pass, bool clear) {
 void GlBackend::recordPass(const GlPlan& plan, const Pass& pass, size_t frame, const GLuint* queries) {
     beginPass(plan, pass, pass.clear);
     glMemoryBarrier(GL_ALL_BARRIER_BITS);
-    if (queries) glQueryCounter(queries[0], GL_TIMESTAMP);
+    if (queries) timestamp(queries[0]);
     issueDraws(plan, pass, frame);
-    if (queries) glQueryCounter(queries[1], GL_TIMESTAMP);
+    if (queries) timestamp(queries[1]);
     glMemoryBarrier(GL_ALL_BARRIER_BITS);
 }
 
@@ -321,13 +330,13 @@ void GlBackend::recordOverlapped(const GlPlan& plan, size_t frame, bool timed) {
             break;
         }
     glMemoryBarrier(GL_ALL_BARRIER_BITS);
-    if (queries) glQueryCounter(queries[0], GL_TIMESTAMP);
+    if (queries) timestamp(queries[0]);
     for (size_t i = 0; i < plan.passes.size(); ++i) {
         if (i > 0) glMemoryBarrier(GL_VERTEX_ATTRIB_ARRAY_BARRIER_BIT | GL_SHADER_STORAGE_BARRIER_BIT);
         beginPass(plan, plan.passes[i], false);
         issueDraws(plan, plan.passes[i], frame);
     }
-    if (queries) glQueryCounter(queries[1], GL_TIMESTAMP);
+    if (queries) timestamp(queries[1]);
     glMemoryBarrier(GL_ALL_BARRIER_BITS);
 }
 

@@ -37,6 +37,7 @@ private:
     Result<double> copySkinned(Plan& plan, std::span<const std::byte> skinned);
     void bindFrame(VkCommandBuffer commands, const Plan& plan, size_t frame, uint64_t paletteOffset) const;
     void recordDraws(VkCommandBuffer commands, const Plan& plan, size_t frame, const Pass& pass) const;
+    void timestamp(VkCommandBuffer commands, uint32_t query) const;
     void recordPass(VkCommandBuffer commands, const Plan& plan, size_t frame, size_t number, uint32_t query) const;
     void recordOverlapped(VkCommandBuffer commands, const Plan& plan, size_t frame, uint32_t query) const;
     void recordCounted(VkCommandBuffer commands, const Plan& plan, size_t frame, uint32_t place,
@@ -187,6 +188,14 @@ void VulkanBackend::recordDraws(VkCommandBuffer commands, const Plan& plan, size
     if (draws) vk.vkCmdEndRendering(commands);
 }
 
+// Mesa's software driver puts a timestamp into the queue of tiles that a barrier empties, and runs the geometry stages
+// before that queue. So the queue is empty on both sides; a GPU gets no barrier here.
+void VulkanBackend::timestamp(VkCommandBuffer commands, uint32_t query) const {
+    if (device_->caps.software) fullBarrier(*device_, commands);
+    device_->vk.vkCmdWriteTimestamp2(commands, VK_PIPELINE_STAGE_2_ALL_COMMANDS_BIT, queries_, query);
+    if (device_->caps.software) fullBarrier(*device_, commands);
+}
+
 void VulkanBackend::recordPass(VkCommandBuffer commands, const Plan& plan, size_t frame, size_t number,
                                uint32_t query) const {
     const VolkDeviceTable& vk = device_->vk;
@@ -194,9 +203,9 @@ void VulkanBackend::recordPass(VkCommandBuffer commands, const Plan& plan, size_
     if (pass.kind != PassKind::dispatch && pass.clear) clearTarget(commands, plan);
     bindPass(commands, plan, number);
     fullBarrier(*device_, commands);
-    vk.vkCmdWriteTimestamp2(commands, VK_PIPELINE_STAGE_2_ALL_COMMANDS_BIT, queries_, query);
+    timestamp(commands, query);
     recordDraws(commands, plan, frame, pass);
-    vk.vkCmdWriteTimestamp2(commands, VK_PIPELINE_STAGE_2_ALL_COMMANDS_BIT, queries_, query + 1);
+    timestamp(commands, query + 1);
     fullBarrier(*device_, commands);
 }
 
@@ -231,13 +240,13 @@ void VulkanBackend::recordOverlapped(VkCommandBuffer commands, const Plan& plan,
     if (std::ranges::any_of(plan.passes, [](const Pass& p) { return p.kind != PassKind::dispatch && p.clear; }))
         clearTarget(commands, plan);
     fullBarrier(*device_, commands);
-    vk.vkCmdWriteTimestamp2(commands, VK_PIPELINE_STAGE_2_ALL_COMMANDS_BIT, queries_, query);
+    timestamp(commands, query);
     for (size_t number = 0; number < plan.passes.size(); ++number) {
         if (number > 0) narrowBarrier(*device_, commands, plan.passes[number - 1].kind == PassKind::dispatch);
         bindPass(commands, plan, number);
         recordDraws(commands, plan, frame, plan.passes[number]);
     }
-    vk.vkCmdWriteTimestamp2(commands, VK_PIPELINE_STAGE_2_ALL_COMMANDS_BIT, queries_, query + 1);
+    timestamp(commands, query + 1);
     fullBarrier(*device_, commands);
 }
 

@@ -2,6 +2,8 @@
 #include <catch2/catch_test_macros.hpp>
 
 #include <algorithm>
+#include <chrono>
+#include <numeric>
 
 #include "common/image.h"
 #include "common/peaks.h"
@@ -127,6 +129,46 @@ TEST_CASE("limits are verified and timed beside the cases, each once") {
         INFO(result.id);
         const bool expected = result.which.scenario == Scenario::direct;
         CHECK(expected == (std::ranges::find(limits, result.limitId) != limits.end()));
+    }
+}
+
+TEST_CASE("the timestamps of a software driver enclose the work, not its queue") {
+    if (!anyDriver()) SKIP("no Vulkan and no OpenGL driver on this machine");
+    auto scene = loadScene("builtin:biped:20000");
+    REQUIRE(scene);
+    WorkloadSettings settings;
+    settings.width = 320;
+    settings.height = 180;
+    auto workload = makeWorkload(std::move(*scene), testShaders(), settings);
+    REQUIRE(workload);
+    for (const Case& which :
+         offered({makeCase("vk", "vertex"), makeCase("vk", "compute"), makeCase("vk-ext", "mesh"),
+                  makeCase("gl", "vertex"), makeCase("gl", "compute"), makeCase("gl-ext", "mesh")})) {
+        Backend& backend = *openedBackends().at(which.route->api).backend;
+        if (!backend.caps().software) continue;
+        auto input = planInput(*workload, which);
+        REQUIRE(input);
+        auto plan = makePlan(which, *input, backend.caps());
+        REQUIRE(plan);
+        auto id = backend.prepare(*plan);
+        REQUIRE(id);
+        auto frame = makeFrame(*workload, which.influences, 0);
+        REQUIRE(frame);
+        const std::vector<FrameInput> inputs(8, {frame->constants, std::as_bytes(std::span(frame->palettes)), {}});
+        for (RunMode mode : {RunMode::timed, RunMode::overlap}) {
+            REQUIRE(backend.run(*id, inputs, mode));  // compiles what a driver compiles late
+            const auto start = std::chrono::steady_clock::now();
+            auto timings = backend.run(*id, inputs, mode);
+            const std::chrono::duration<double, std::milli> wall = std::chrono::steady_clock::now() - start;
+            REQUIRE(timings);
+            double timed = 0;
+            for (const Timing& timing : *timings)
+                timed = std::accumulate(timing.passes.begin(), timing.passes.end(), timed);
+            INFO(caseId(which) << ": " << timed << " of " << wall.count() << " ms");
+            CHECK(timed > 0.4 * wall.count());
+            CHECK(timed < wall.count());
+        }
+        backend.release(*id);
     }
 }
 
