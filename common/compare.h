@@ -54,7 +54,7 @@ struct Comparison {
     std::vector<std::string> differences;  // of scene, devices, settings, host and program, a line each
     double noiseFloor = kDefaultNoiseFloor;
     bool noiseFloorMeasured = false;  // in both files
-    bool placementCovered = true;  // by intervals or a measured floor; false: a file kept its cases in place, without
+    bool placementCovered = true;     // false: a file kept its cases in place and measured no noise floor
     std::vector<ComparedCase> cases;  // in the order of Change, within it the largest effect first
 };
 
