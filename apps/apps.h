@@ -6,8 +6,8 @@
 #include <string>
 #include <vector>
 
-#include "common/bench.h"
-#include "common/report.h"
+#include "common/measure/bench.h"
+#include "common/report/report.h"
 
 namespace skinbench {
 
@@ -152,7 +152,7 @@ struct PartitionOptions {
 };
 int runPartition(const PartitionOptions& options);
 
-// The tables and figures of one of theses() (common/reproduce.h).
+// The tables and figures of one of theses() (common/theses/reproduce.h).
 struct ReproduceOptions {
     std::string thesis;
     std::vector<std::string> scenes;  // empty: the built-in ones

@@ -5,7 +5,7 @@
 #include <set>
 
 #include "apps/apps.h"
-#include "common/stats.h"
+#include "common/core/stats.h"
 
 namespace skinbench {
 namespace {

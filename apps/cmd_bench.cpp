@@ -5,8 +5,8 @@
 #include <nlohmann/json.hpp>
 
 #include "apps/apps.h"
-#include "common/file.h"
-#include "common/peaks.h"
+#include "common/core/file.h"
+#include "common/measure/peaks.h"
 
 namespace skinbench {
 namespace {

@@ -5,7 +5,7 @@
 #include <nlohmann/json.hpp>
 
 #include "apps/apps.h"
-#include "common/compare.h"
+#include "common/report/compare.h"
 
 namespace skinbench {
 

@@ -4,7 +4,7 @@
 #include <nlohmann/json.hpp>
 
 #include "apps/apps.h"
-#include "common/inspect.h"
+#include "common/report/inspect.h"
 
 namespace skinbench {
 namespace {

@@ -5,7 +5,7 @@
 #include <nlohmann/json.hpp>
 
 #include "apps/selectors.h"
-#include "common/partition.h"
+#include "common/meshlets/partition.h"
 
 namespace skinbench {
 namespace {

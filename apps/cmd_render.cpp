@@ -1,7 +1,7 @@
 #include <iostream>
 
 #include "apps/apps.h"
-#include "common/image.h"
+#include "common/frame/image.h"
 
 namespace skinbench {
 namespace {

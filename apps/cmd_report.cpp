@@ -3,7 +3,7 @@
 #include <nlohmann/json.hpp>
 
 #include "apps/apps.h"
-#include "common/file.h"
+#include "common/core/file.h"
 
 namespace skinbench {
 

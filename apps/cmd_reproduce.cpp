@@ -6,8 +6,8 @@
 #include <nlohmann/json.hpp>
 
 #include "apps/apps.h"
-#include "common/file.h"
-#include "common/reproduce.h"
+#include "common/core/file.h"
+#include "common/theses/reproduce.h"
 
 namespace skinbench {
 namespace {

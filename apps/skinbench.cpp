@@ -7,8 +7,8 @@
 #include <new>
 
 #include "apps/selectors.h"
-#include "common/partition.h"
-#include "common/version.h"
+#include "common/core/version.h"
+#include "common/meshlets/partition.h"
 
 namespace skinbench {
 

@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "backend_gl/mesh_ext.h"
-#include "common/backend.h"
+#include "common/frame/backend.h"
 
 namespace skinbench {
 

@@ -11,7 +11,7 @@
 #include <string>
 #include <utility>
 
-#include "common/result.h"
+#include "common/core/result.h"
 
 namespace skinbench {
 

@@ -6,7 +6,7 @@
 
 #include "backend_gl/memory.h"
 #include "backend_gl/program.h"
-#include "common/backend.h"
+#include "common/frame/backend.h"
 
 namespace skinbench {
 

@@ -5,7 +5,7 @@
 #include <unordered_map>
 
 #include "backend_gl/memory.h"
-#include "common/backend.h"
+#include "common/frame/backend.h"
 
 namespace skinbench {
 

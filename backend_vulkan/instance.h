@@ -10,7 +10,7 @@
 #include <string_view>
 #include <vector>
 
-#include "common/backend.h"
+#include "common/frame/backend.h"
 
 // Hands an error on to the caller.
 #define SKINBENCH_TRY(expression)                                                                \

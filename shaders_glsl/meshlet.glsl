@@ -1,4 +1,4 @@
-// Reads one meshlet of the layouts `redirect` and `fixed` (common/meshlets.h draws the words).
+// Reads one meshlet of the layouts `redirect` and `fixed` (common/meshlets/meshlets.h draws the words).
 #include "frame.glsl"
 
 #define WIDE_HEADER (RECORDS_ORDERED || JOINTS != JOINTS_VERTEX)

@@ -7,10 +7,11 @@
 #define SLOT_FRAME 0  // FrameConstants
 
 // Storage blocks: eight, the number that OpenGL 4.5 guarantees a stage that has any.
-#define SLOT_PALETTE 1        // 3 rows (vec4) a joint, joint after joint, copy after copy
-#define SLOT_VERTEX 2         // encoded vertices of one codec, copy after copy
-#define SLOT_MESHLET 3        // meshlet descriptors
-#define SLOT_TANGENT 3        // the same number for the variant compute, which has no meshlets: a unit tangent a vertex
+#define SLOT_PALETTE 1  // 3 rows (vec4) a joint, joint after joint, copy after copy
+#define SLOT_VERTEX 2   // encoded vertices of one codec, copy after copy
+#define SLOT_MESHLET 3  // meshlet descriptors
+#define SLOT_TANGENT \
+    3                         // the same number for the variant compute, which has no meshlets: a unit tangent a vertex
                               // (vec4, w: 1 or -1, the side of the bitangent)
 #define SLOT_MESHLET_DATA 4   // vertex ids and packed local indices
 #define SLOT_MESHLET_EXTRA 5  // what a codec or builder adds per meshlet
@@ -23,7 +24,7 @@
 
 #define SLOT_COUNT 10
 
-// Values of the defines CULL and JOINTS: what the enums Cull and JointSource of common/variant.h count.
+// Values of the defines CULL and JOINTS: what the enums Cull and JointSource of common/plans/variant.h count.
 #define CULL_OFF 0
 #define CULL_COMPACT 1
 #define CULL_PRIMITIVE 2

@@ -1,5 +1,5 @@
-// What one pass skins and a later one draws, 32 bytes (common/skin_cpu.h, SkinnedVertex). The variant `compute` also
-// has a short form and keeps more (common/plan_parts.h, SkinnedLayout).
+// What one pass skins and a later one draws, 32 bytes (common/scene/skin_cpu.h, SkinnedVertex). The variant `compute` also
+// has a short form and keeps more (common/plans/plan_parts.h, SkinnedLayout).
 #include "shared.h"
 #if SKINNED_PACKED
 #include "octahedral.glsl"

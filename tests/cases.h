@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-#include "common/workload.h"
+#include "common/cases/workload.h"
 
 namespace skinbench {
 

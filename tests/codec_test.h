@@ -15,8 +15,8 @@
 #include <utility>
 #include <vector>
 
-#include "common/meshlets.h"
-#include "common/scene.h"
+#include "common/meshlets/meshlets.h"
+#include "common/scene/scene.h"
 
 namespace skinbench::test {
 

@@ -2,7 +2,7 @@
 // than a verification.
 #pragma once
 
-#include "common/bench.h"
+#include "common/measure/bench.h"
 
 namespace skinbench {
 

@@ -3,7 +3,7 @@
 
 #include <string>
 
-#include "common/backend.h"
+#include "common/frame/backend.h"
 
 namespace skinbench {
 

@@ -1,4 +1,4 @@
-# Writes common/version.h, and leaves it alone where nothing changed.
+# Writes common/core/version.h, and leaves it alone where nothing changed.
 # usage: cmake -D PROJECT_VERSION=… -D CMAKE_BUILD_TYPE=… -D SOURCE=… -D OUTPUT=… -P tools/version.cmake
 find_package(Git QUIET)
 set(SKINBENCH_REVISION unknown)
@@ -9,4 +9,4 @@ if(GIT_FOUND)
         set(SKINBENCH_REVISION ${revision})
     endif()
 endif()
-configure_file(${SOURCE}/common/version.h.in ${OUTPUT} @ONLY)
+configure_file(${SOURCE}/common/core/version.h.in ${OUTPUT} @ONLY)

@@ -6,7 +6,7 @@
 #include <numbers>
 #include <utility>
 
-#include "common/codecs/parallel.h"
+#include "common/core/parallel.h"
 
 namespace skinbench {
 namespace {

@@ -10,7 +10,7 @@
 
 #include <glm/glm.hpp>
 
-#include "common/scene.h"
+#include "common/scene/scene.h"
 
 namespace skinbench {
 

@@ -8,8 +8,8 @@
 #include <unordered_map>
 #include <utility>
 
-#include "common/codecs/bytes.h"
-#include "common/codecs/parallel.h"
+#include "common/core/bytes.h"
+#include "common/core/parallel.h"
 
 namespace skinbench {
 namespace {

@@ -18,8 +18,8 @@
 
 #include "common/codecs/packed.h"
 #include "common/codecs/permutation.h"
-#include "common/meshlets.h"
-#include "common/scene.h"
+#include "common/meshlets/meshlets.h"
+#include "common/scene/scene.h"
 
 namespace skinbench {
 

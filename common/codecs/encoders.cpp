@@ -6,10 +6,10 @@
 #include <limits>
 #include <span>
 
-#include "common/codec.h"
+#include "common/codecs/codec.h"
 #include "common/codecs/differences.h"
 #include "common/codecs/packed.h"
-#include "common/codecs/parallel.h"
+#include "common/core/parallel.h"
 
 namespace skinbench {
 namespace {

@@ -3,8 +3,8 @@
 #include <bit>
 #include <format>
 
-#include "common/codec.h"
-#include "common/pose.h"
+#include "common/codecs/codec.h"
+#include "common/scene/pose.h"
 
 namespace skinbench {
 

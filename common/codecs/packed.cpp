@@ -5,8 +5,8 @@
 #include <format>
 #include <limits>
 
-#include "common/codecs/bytes.h"
-#include "common/codecs/parallel.h"
+#include "common/core/bytes.h"
+#include "common/core/parallel.h"
 
 namespace skinbench {
 namespace {

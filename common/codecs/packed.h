@@ -20,8 +20,8 @@
 #include "common/codecs/attributes.h"
 #include "common/codecs/permutation.h"
 #include "common/codecs/simplex.h"
-#include "common/codecs/tuples.h"
-#include "common/scene.h"
+#include "common/scene/scene.h"
+#include "common/scene/tuples.h"
 
 namespace skinbench {
 

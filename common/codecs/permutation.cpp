@@ -6,7 +6,7 @@
 #include <limits>
 #include <unordered_map>
 
-#include "common/codecs/tuples.h"
+#include "common/scene/tuples.h"
 
 namespace skinbench {
 namespace {

@@ -10,7 +10,7 @@
 #include <cstdint>
 #include <span>
 
-#include "common/result.h"
+#include "common/core/result.h"
 
 namespace skinbench {
 

@@ -9,7 +9,7 @@
 
 #include <glm/glm.hpp>
 
-#include "common/result.h"
+#include "common/core/result.h"
 
 namespace skinbench {
 

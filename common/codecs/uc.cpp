@@ -1,7 +1,7 @@
 #include <cstring>
 
-#include "common/codec.h"
-#include "common/codecs/parallel.h"
+#include "common/codecs/codec.h"
+#include "common/core/parallel.h"
 
 namespace skinbench {
 

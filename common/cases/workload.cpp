@@ -1,0 +1,195 @@
+#include "common/cases/workload.h"
+
+#include <algorithm>
+#include <cstring>
+#include <format>
+
+namespace skinbench {
+
+Result<Workload> makeWorkload(Scene scene, ShaderLibrary shaders, const WorkloadSettings& settings) {
+    Workload workload;
+    workload.settings = settings;
+    workload.shaders = std::move(shaders);
+    workload.stored = std::move(scene);
+    if (!settings.clip.empty() && settings.clip != "none" && !chosenClip(workload)) {
+        std::string names;
+        for (const Clip& clip : workload.stored.clips) names += (names.empty() ? "" : ", ") + clip.name;
+        return inputError(std::format("{}: no clip '{}'; there is {}", workload.stored.name, settings.clip,
+                                      names.empty() ? "none" : names));
+    }
+    return workload;
+}
+
+const Clip* chosenClip(const Workload& workload) {
+    const std::vector<Clip>& clips = workload.stored.clips;
+    if (workload.settings.clip.empty()) return clips.empty() ? nullptr : &clips.front();
+    auto clip = std::ranges::find(clips, workload.settings.clip, &Clip::name);
+    return clip == clips.end() ? nullptr : &*clip;
+}
+
+Result<const Scene*> sceneFor(Workload& workload, int influences) {
+    std::unique_ptr<Scene>& kept = workload.prepared[influences];
+    if (!kept) {
+        PrepareOptions options = workload.settings.prepare;
+        options.influences = influences;
+        Result<Scene> scene = prepareScene(workload.stored, options);
+        if (!scene) return std::unexpected(scene.error());
+        kept = std::make_unique<Scene>(std::move(*scene));
+        workload.bounds[influences] = clipBounds(*kept, chosenClip(workload));
+    }
+    return kept.get();
+}
+
+static std::string meshletWords(const Case& which) {
+    return std::format("{} influences, {} {}/{}", which.influences, which.builder->name, which.limits.vertices,
+                       which.limits.triangles);
+}
+
+static Result<const MeshletMesh*> meshletsFor(Workload& workload, const Case& which, const Scene& scene) {
+    std::unique_ptr<MeshletMesh>& kept = workload.meshlets[meshletWords(which)];
+    if (!kept) {
+        auto built = std::make_unique<MeshletMesh>(which.builder->build(scene.mesh, which.limits));
+        if (auto right = checkMeshlets(scene.mesh, *built); !right)
+            return inputError(std::string(which.builder->name) + ": " + right.error().text);
+        kept = std::move(built);
+    }
+    return kept.get();
+}
+
+// Empty: the scene's own vertices.
+static std::string recordWords(const Case& which) {
+    if (usesPartition(which)) return std::format("{} influences, {} slots", which.influences, which.paletteSlots);
+    if (!which.builder) return {};
+    std::string words;
+    if (sharesJointLists(which))
+        words = std::format("common {} {} {}", ciGroupingName(which.common.grouping), ciKeyName(which.common.key),
+                            which.common.minVertices);
+    if (which.shape.orderedRecords) words += " ordered";
+    return words.empty() ? words : meshletWords(which) + " " + words;
+}
+
+static Result<Records> partition(const Case& which, const Mesh& mesh) {
+    PaletteHardware hardware = *findPaletteHardware("generic");
+    hardware.slots = which.paletteSlots;
+    auto plan = partitionMesh(mesh, hardware, *findPartitionSolver("cheapest-insertion"), *findGroupOrder("given"));
+    if (!plan) return std::unexpected(plan.error());
+    if (auto right = checkPartition(mesh, *plan); !right) return std::unexpected(right.error());
+    return partitionedRecords(mesh, *plan);
+}
+
+static Result<Records> makeRecords(Workload& workload, const Case& which, const Scene& scene) {
+    if (usesPartition(which)) return partition(which, scene.mesh);
+    if (!sharesJointLists(which)) {
+        auto meshlets = meshletsFor(workload, which, scene);
+        if (!meshlets) return std::unexpected(meshlets.error());
+        return orderedRecords(scene.mesh, **meshlets);
+    }
+    const CommonInfluenceCut cut =
+        buildCommonInfluences(scene.mesh, {which.builder, which.limits, which.influences, which.common.grouping,
+                                           which.common.key, which.common.minVertices});
+    if (auto right = checkCommonInfluences(scene.mesh, cut); !right)
+        return inputError("common influences: " + right.error().text);
+    const Records records = commonRecords(cut);
+    return which.shape.orderedRecords ? orderedRecords(records) : records;
+}
+
+static Result<const Records*> recordsFor(Workload& workload, const Case& which, const Scene& scene) {
+    const std::string words = recordWords(which);
+    if (words.empty()) return nullptr;
+    std::unique_ptr<Records>& kept = workload.records[words];
+    if (!kept) {
+        auto made = makeRecords(workload, which, scene);
+        if (!made) return std::unexpected(made.error());
+        kept = std::make_unique<Records>(std::move(*made));
+    }
+    return kept.get();
+}
+
+static Result<EncodedMesh> encode(const Case& which, const Mesh& mesh, const PlanInput& input) {
+    if (!storesSlim(which)) return which.codec->encode(mesh, input.meshlets, which.influences);
+    const bool lists = sharesJointLists(which);
+    const auto slim = lists ? input.records->commonRecords : static_cast<uint32_t>(mesh.positions.size());
+    EncodedMesh encoded = encodeSlim(mesh, slim, lists && which.common.fat, which.influences);
+    if (lists) encoded.meshletExtra = toBytes(packJointLists(input.records->joints, which.influences));
+    return encoded;
+}
+
+Result<PlanInput> planInput(Workload& workload, const Case& which) {
+    PlanInput input;
+    input.shaders = &workload.shaders;
+    input.copies = workload.settings.copies;
+    input.width = workload.settings.width;
+    input.height = workload.settings.height;
+    auto scene = sceneFor(workload, which.influences);
+    if (!scene) return std::unexpected(scene.error());
+    input.scene = *scene;
+    auto records = recordsFor(workload, which, **scene);
+    if (!records) return std::unexpected(records.error());
+    input.records = *records;
+    if (which.builder && input.records) {
+        input.meshlets = &input.records->meshlets;
+    } else if (which.builder) {
+        auto meshlets = meshletsFor(workload, which, **scene);
+        if (!meshlets) return std::unexpected(meshlets.error());
+        input.meshlets = *meshlets;
+    }
+
+    std::string words = std::format("{} {} {}", which.codec->name, which.influences, recordWords(which));
+    if (which.codec->needsMeshlets) words += " of " + meshletWords(which);
+    if (storesSlim(which)) words += which.common.fat ? " fat" : " slim";
+    std::unique_ptr<EncodedMesh>& kept = workload.encoded[words];
+    if (!kept) {
+        auto encoded = encode(which, input.records ? input.records->mesh : (*scene)->mesh, input);
+        if (!encoded) return std::unexpected(encoded.error());
+        kept = std::make_unique<EncodedMesh>(std::move(*encoded));
+    }
+    input.encoded = kept.get();
+    if (kept->meshlets) input.meshlets = &*kept->meshlets;
+    return input;
+}
+
+Result<FrameData> makeFrame(Workload& workload, int influences, uint32_t frame) {
+    auto scene = sceneFor(workload, influences);
+    if (!scene) return std::unexpected(scene.error());
+    const WorkloadSettings& settings = workload.settings;
+    const Clip* clip = chosenClip(workload);
+    const double seconds = settings.seconds + (settings.animated ? frame / 60.0 : 0);
+    FrameData data;
+    data.constants = frameConstants(
+        {workload.bounds[influences], settings.copies, settings.width, settings.height, settings.yaw}, frame);
+
+    const uint32_t phases = std::min(settings.copies, kPhases);
+    std::vector<Palette> posed(phases);
+    for (uint32_t phase = 0; phase < phases; ++phase) {
+        const double offset = clip ? clip->duration * (phase / static_cast<double>(kPhases)) : 0;
+        posed[phase] = poseScene(**scene, clip, static_cast<float>(seconds + offset));
+    }
+    data.palettes.reserve(size_t{settings.copies} * (*scene)->skeleton.joints.size());
+    for (uint32_t copy = 0; copy < settings.copies; ++copy) {
+        const Palette& palette = posed[copy % phases];
+        data.palettes.insert(data.palettes.end(), palette.begin(), palette.end());
+    }
+    return data;
+}
+
+std::vector<std::byte> blockedPalettes(const FrameData& frame, uint32_t copies, const PaletteBlocks& blocks) {
+    const size_t joints = frame.palettes.size() / copies, blocksOfCopy = blocks.joints.size() / blocks.size;
+    const uint64_t stride = blocks.stride();
+    std::vector<std::byte> bytes(stride * blocksOfCopy * copies);
+    for (uint32_t copy = 0; copy < copies; ++copy)
+        for (size_t i = 0; i < blocks.joints.size(); ++i) {
+            if (blocks.joints[i] == kNoJoint) continue;
+            std::byte* block = &bytes[(copy * blocksOfCopy + i / blocks.size) * stride];
+            std::memcpy(block + i % blocks.size * sizeof(PaletteEntry),
+                        &frame.palettes[copy * joints + blocks.joints[i]], sizeof(PaletteEntry));
+        }
+    return bytes;
+}
+
+Palette paletteOfCopy(const FrameData& frame, uint32_t copies, uint32_t copy) {
+    const size_t joints = frame.palettes.size() / copies;
+    auto first = frame.palettes.begin() + static_cast<std::ptrdiff_t>(joints * copy);
+    return Palette(first, first + static_cast<std::ptrdiff_t>(joints));
+}
+
+}  // namespace skinbench

@@ -1,0 +1,65 @@
+// What the cases of one run share: the scene prepared for 4 and 8 influences, its meshlets per builder and its
+// encodings per codec, each made once; and the palettes of every frame.
+#pragma once
+
+#include <map>
+#include <memory>
+#include <tuple>
+
+#include "common/cases/camera.h"
+#include "common/plans/variant.h"
+
+namespace skinbench {
+
+struct WorkloadSettings {
+    PrepareOptions prepare;  // its influences are replaced by those of each case
+    std::string clip;        // empty: the scene's first; "none": the rest pose
+    bool animated = true;    // false: every frame shows the pose of `seconds`
+    float seconds = 0.4f;    // time of frame 0
+    uint32_t copies = 1;
+    uint32_t width = 1920;
+    uint32_t height = 1080;
+    float yaw = 0;
+};
+
+struct Workload {
+    WorkloadSettings settings;
+    ShaderLibrary shaders;
+    Scene stored;
+
+    // Keys: what of a case changes the content, as words.
+    std::map<int, std::unique_ptr<Scene>> prepared;
+    std::map<std::string, std::unique_ptr<MeshletMesh>> meshlets;
+    std::map<std::string, std::unique_ptr<Records>> records;
+    std::map<std::string, std::unique_ptr<EncodedMesh>> encoded;
+    std::map<int, Bounds> bounds;  // of the clip
+};
+
+// Fails when the clip does not exist; the error names the clips that do.
+Result<Workload> makeWorkload(Scene scene, ShaderLibrary shaders, const WorkloadSettings& settings);
+
+// The prepared scene; made on first use and kept, like everything below.
+Result<const Scene*> sceneFor(Workload& workload, int influences);
+
+// Everything a plan of the case needs; `capture` is left false.
+Result<PlanInput> planInput(Workload& workload, const Case& which);
+
+const Clip* chosenClip(const Workload& workload);
+
+// Copies run through the clip with sixteen different offsets, so that neighbours differ and a wrong copy number shows.
+inline constexpr uint32_t kPhases = 16;
+
+// The palettes of one frame, copy after copy, and its constants.
+struct FrameData {
+    FrameConstants constants;
+    std::vector<PaletteEntry> palettes;
+};
+Result<FrameData> makeFrame(Workload& workload, int influences, uint32_t frame);
+
+// The palettes of all copies as uniform blocks, each at a multiple of kPaletteAlignment.
+std::vector<std::byte> blockedPalettes(const FrameData& frame, uint32_t copies, const PaletteBlocks& blocks);
+
+// One copy's part of FrameData::palettes.
+Palette paletteOfCopy(const FrameData& frame, uint32_t copies, uint32_t copy);
+
+}  // namespace skinbench

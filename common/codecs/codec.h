@@ -1,0 +1,99 @@
+// Vertex codecs: how one vertex lies in memory. A codec is an encoder (a file in common/codecs), a decoder (a file in
+// shaders_glsl/codecs) and a row in codecs().
+#pragma once
+
+#include <functional>
+#include <memory>
+#include <optional>
+
+#include "common/frame/backend.h"
+#include "common/frame/shader_text.h"
+#include "common/meshlets/meshlets.h"
+#include "common/scene/scene.h"
+
+namespace skinbench {
+
+using Bytes = std::shared_ptr<const std::vector<std::byte>>;
+
+template <class T>
+Bytes toBytes(const std::vector<T>& values) {
+    auto first = reinterpret_cast<const std::byte*>(values.data());
+    return std::make_shared<const std::vector<std::byte>>(first, first + values.size() * sizeof(T));
+}
+
+// The largest differences between a vertex as it was given and as it decodes, in the bind pose.
+struct CodecBounds {
+    glm::dvec3 position{0};   // per axis, in units of the scene
+    double weights = 0;       // sum of the absolute differences of a vertex' weights; both sum to 1
+    bool addsJoints = false;  // a joint that the vertex does not have may get such a weight
+};
+
+struct EncodedMesh {
+    uint32_t vertexCount = 0;                 // after splitting, where a codec splits
+    Bytes vertices;                           // SLOT_VERTEX
+    Bytes tuples;                             // SLOT_TUPLE, null where there is none
+    Bytes meshletExtra;                       // SLOT_MESHLET_EXTRA, null where there is none
+    std::optional<MeshletMesh> meshlets;      // where the codec rewrites vertex references
+    std::vector<uint8_t> blendBytes;          // per meshlet, below 8: of a vertex; empty where all vertices are equal
+    std::vector<uint32_t> firstBytes;         // per meshlet: where its first vertex lies; empty likewise
+    std::vector<VertexAttribute> attributes;  // empty: no attribute format can carry this codec
+    uint32_t attributeStride = 0;
+    Defines defines;                    // for every stage that decodes
+    std::vector<uint32_t> sources;      // per vertex: vertex of the mesh that it came from; empty: itself
+    std::function<Mesh()> decode;       // null: the mesh's own attributes, bit for bit; use decodeOnCpu
+    std::optional<CodecBounds> bounds;  // empty where decode is null, or nothing is promised
+};
+
+struct Codec {
+    const char* name;
+    const char* what;
+    const char* shader;  // below shaders_glsl/
+    bool needsMeshlets;  // decodes only in mesh stages
+    // `mesh` is prepared with `influences` influences (4 or 8); `meshlets` is null for routes without mesh shaders.
+    Result<EncodedMesh> (*encode)(const Mesh& mesh, const MeshletMesh* meshlets, int influences);
+};
+
+// The codecs that `all` stands for. findCodec also knows pc16, pc24 … pc64: permutation codes of that many bits, fitted
+// to the mesh's number of tuples; and ids, which stores nothing (limitCase).
+const std::vector<Codec>& codecs();
+const Codec* findCodec(const std::string& name);
+
+// Whether fixed-function vertex attributes can carry the codec.
+bool feedsAttributes(const Codec& codec);
+
+// What a shader sees after decoding: the vertex arrays, one element an encoded vertex, in single precision that a GPU
+// matches to a few units in the last place; no indices. Reads the encoded bytes, not the mesh, where a codec loses any.
+Mesh decodeOnCpu(const Mesh& mesh, const EncodedMesh& encoded);
+
+// --- encoders --------------------------------------------------------------------------------------------------
+
+// Uncompressed, 64 bytes with 4 influences (Kimmersdorfer 3.3) and 96 with 8; shaders_glsl/codecs/uc.glsl draws it.
+// Irrelevant influences are stored as joint 0 with weight 0, so that reading the palette needs no test.
+Result<EncodedMesh> encodeUncompressed(const Mesh& mesh, const MeshletMesh* meshlets, int influences);
+
+// Quantised attributes in 14 bytes and u16 joints and unorm16 weights behind them: 30 bytes, 46 with 8 influences.
+Result<EncodedMesh> encodeUc16(const Mesh& mesh, const MeshletMesh* meshlets, int influences);
+
+// Optimal Simplex Sampling, 4 influences, 18 bytes: a code of 16 bits with 65536 tuples, or of 22 bits with 1024.
+Result<EncodedMesh> encodeOss16(const Mesh& mesh, const MeshletMesh* meshlets, int influences);
+Result<EncodedMesh> encodeOss22(const Mesh& mesh, const MeshletMesh* meshlets, int influences);
+
+// Permutation Coding with 65536 tuples: 32 bits and 18 bytes, 64 bits and 22 bytes with 8 influences.
+Result<EncodedMesh> encodePc(const Mesh& mesh, const MeshletMesh* meshlets, int influences);
+
+// Permutation Coding in `bits` (16, 24 … 64) for exactly as many tuples as the mesh has: 14 + bits / 8 bytes.
+template <int bits>
+Result<EncodedMesh> encodePcBits(const Mesh& mesh, const MeshletMesh* meshlets, int influences);
+
+// Meshlet difference encoding, 4 influences (common/codecs/differences.h). Vertices are split where meshlets cannot
+// share them; `meshlets` must not be null. dpdc16 counts 8192 merged tuples, or 16384 with coarser weights where a mesh
+// needs them.
+Result<EncodedMesh> encodePdc8(const Mesh& mesh, const MeshletMesh* meshlets, int influences);
+Result<EncodedMesh> encodePdc16(const Mesh& mesh, const MeshletMesh* meshlets, int influences);
+Result<EncodedMesh> encodePdc32(const Mesh& mesh, const MeshletMesh* meshlets, int influences);
+Result<EncodedMesh> encodeDpdc16(const Mesh& mesh, const MeshletMesh* meshlets, int influences);
+
+// No bytes at all: the decoder places vertex n of a copy by its number, in the bounding box of the mesh.
+Result<EncodedMesh> encodeIds(const Mesh& mesh, const MeshletMesh* meshlets, int influences);
+
+}  // namespace skinbench

@@ -1,0 +1,271 @@
+// The boundary between skinbench and a graphics API. A whole frame crosses it as data: bytes, GLSL text, words and
+// numbers. Handles, barriers, queues and windows stay behind it, so that both APIs draw the very same FramePlan.
+//
+// A backend must:
+//  * bind every stream that a program's text declares, at the binding number of its slot (shaders_glsl/shared.h);
+//    SLOT_PALETTE and SLOT_FRAME are bound at the current frame's part of what run() uploaded; with
+//    FramePlan::paletteRange the palette is a uniform block and each draw sees its own part;
+//  * pass Draw::constants to every stage as the block of platform.glsl (Vulkan: push constants, 16 bytes at offset 0;
+//    OpenGL: the uniform uvec4 named `drawConstants`);
+//  * place a full execution and memory barrier before and after every pass, outside the pass's two timestamps, and
+//    clear the targets outside them too;
+//  * draw into an RGBA8 (UNORM) colour target and a D32F depth target of the plan's size, with clip space y down and
+//    depth 0..1, so that row 0 of readImage() is the top row; front faces are counter-clockwise as seen on screen;
+//  * report what goes wrong as one sentence; never print, throw or exit.
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <memory>
+#include <optional>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "common/core/result.h"
+#include "shaders_glsl/shared.h"
+
+namespace skinbench {
+
+enum class Api { vulkan, opengl, cpu };
+
+// Which extension's dialect the mesh stages of a plan are written in.
+enum class MeshDialect { none, ext, nv };
+
+// --- what a device is ------------------------------------------------------------------------------------------
+
+// Limits of one mesh-shader extension; all zero where it is not offered.
+struct MeshLimitsOfDevice {
+    bool available = false;
+    uint32_t maxVertices = 0;
+    uint32_t maxTriangles = 0;
+    uint32_t maxGroupSize = 0;    // invocations of one mesh work group
+    uint32_t maxGroupCount = 0;   // groups of one draw (x)
+    uint32_t maxOutputBytes = 0;  // all outputs of one work group
+    uint32_t maxSharedBytes = 0;
+    uint32_t preferredGroupSize = 0;  // 0: the driver does not say
+};
+
+// Facts only; what follows from them is decided in variant.cpp.
+struct DeviceCaps {
+    Api api = Api::vulkan;
+    std::string name;       // "NVIDIA H200"
+    std::string driver;     // name and version of the driver
+    std::string version;    // of the API on this device: "Vulkan 1.4.305", "OpenGL 4.6"
+    bool software = false;  // a CPU pretends to be the device: times say nothing about a GPU
+    double timestampPeriodNs = 0;
+    uint32_t timestampBits = 0;  // 0: passes cannot be timed
+    MeshLimitsOfDevice ext;      // VK_EXT_mesh_shader, GL_EXT_mesh_shader
+    MeshLimitsOfDevice nv;       // VK_NV_mesh_shader, GL_NV_mesh_shader
+    uint32_t subgroupSize = 0;   // 0: unknown
+    bool meshSubgroups = false;  // mesh stages can shuffle and vote, and every subgroup has subgroupSize lanes
+    uint32_t subpixelBits = 0;   // of the rasteriser's fixed-point positions
+    uint32_t maxComputeGroupSize = 0;
+    uint32_t maxComputeSharedBytes = 0;
+    uint32_t maxComputeGroupCount = 0;     // x
+    uint64_t maxBufferBytes = UINT64_MAX;  // of one buffer
+    uint64_t maxStorageBytes = 0;          // of one storage buffer binding
+    uint64_t maxUniformBytes = 0;          // of one uniform buffer binding
+    uint32_t storageBlocksVertex = 0;      // storage blocks a vertex stage may have
+    uint64_t deviceBytes = 0;              // memory of the device's largest heap; 0: the driver does not say
+    bool pipelineStatistics = false;
+    bool meshCounters = false;        // statistics of task and mesh stages in the EXT dialect
+    bool lastMeshOutputLost = false;  // a driver fault, found by a test draw: the last location that mesh stages write
+                                      // never reaches the fragment stage
+    bool meshDepthDiffers = false;    // a mesh and a vertex stage that write equal positions get depths that differ in
+                                      // the last bit
+    bool primitiveCullIgnored = false;    // gl_CullPrimitiveEXT drops nothing
+    std::vector<std::string> extensions;  // sorted
+};
+
+inline const MeshLimitsOfDevice& meshLimits(const DeviceCaps& caps, MeshDialect dialect) {
+    return dialect == MeshDialect::nv ? caps.nv : caps.ext;
+}
+
+// --- what a frame is -------------------------------------------------------------------------------------------
+
+enum class Stage { vertex, fragment, compute, task, mesh };
+const char* stageName(Stage stage);
+
+// Complete GLSL: nothing is left to prepend. `name` is for messages.
+struct ShaderText {
+    Stage stage = Stage::vertex;
+    std::string name;
+    std::string text;
+};
+
+enum class AttributeFormat { float2, float3, float4, uint4 };
+
+struct VertexAttribute {
+    uint32_t location = 0;
+    AttributeFormat format = AttributeFormat::float4;
+    uint32_t offset = 0;  // bytes into one vertex
+};
+
+struct Program {
+    std::string label;
+    std::vector<ShaderText> stages;
+    std::vector<VertexAttribute> attributes;  // empty: the vertex stage pulls what it needs
+    uint32_t attributeSlot = SLOT_VERTEX;     // the stream that feeds the attributes
+    uint32_t attributeStride = 0;             // bytes
+};
+
+enum StreamUse : uint32_t {
+    useStorage = 1,     // a storage block
+    useUniform = 2,     // a uniform block
+    useAttributes = 4,  // feeds vertex attributes
+    useIndices = 8,     // feeds indexed draws, 32 bits an index
+};
+
+// One buffer. Its size is bytes->size() * replicas, each replica a copy of its own in device memory, or `gpuBytes`
+// for a buffer that only the device writes (zero at first). SLOT_FRAME and SLOT_PALETTE are no streams: FrameInput
+// carries them, their size is given in FramePlan.
+struct Stream {
+    uint32_t slot = 0;
+    uint32_t use = useStorage;
+    std::shared_ptr<const std::vector<std::byte>> bytes{};
+    uint32_t replicas = 1;
+    uint32_t replicaAdd = 0;  // added to every 32-bit word, times the replica's number: indices of a batched draw
+    uint64_t gpuBytes = 0;
+    bool hostWritten = false;  // FrameInput::skinned replaces the whole content before each frame
+};
+
+enum class PassKind { dispatch, drawIndexed, drawMesh };
+
+// Raster of one pass. noFragments rasterises but lets the depth test fail always, so that no fragment is shaded;
+// discard stops before rasterisation. Fragment stages stay linked in all three, so outputs stay alive.
+enum class RasterMode { full, noFragments, discard };
+
+enum class DepthTest { lessWrite, equalKeep };
+
+// dispatch: `count` work groups (x).  drawMesh: `count` work groups (task or mesh).
+// drawIndexed: `count` indices from `firstIndex`, `baseVertex` added to each.
+struct Draw {
+    uint32_t count = 0;
+    uint32_t firstIndex = 0;
+    int32_t baseVertex = 0;
+    std::array<uint32_t, 4> constants{};
+    uint64_t paletteOffset = 0;  // bytes into one frame's palettes, a multiple of kPaletteAlignment
+};
+
+struct Pass {
+    std::string label;  // "skin", "depth", "draw": the key of passes_ms
+    PassKind kind = PassKind::drawIndexed;
+    uint32_t program = 0;  // into FramePlan::programs
+    RasterMode raster = RasterMode::full;
+    DepthTest depth = DepthTest::lessWrite;
+    bool writeColor = true;
+    bool clear = true;          // colour to the background and depth to 1, before the first timestamp
+    bool cullBackFaces = true;  // by the fixed-function rasteriser
+    std::vector<Draw> draws;
+};
+
+// No device asks for a coarser alignment of uniform blocks.
+inline constexpr uint64_t kPaletteAlignment = 256;
+
+struct FramePlan {
+    std::string label;  // the case id, for messages and debug tools
+    MeshDialect dialect = MeshDialect::none;
+    uint32_t width = 1920;
+    uint32_t height = 1080;
+    uint64_t paletteBytes = 0;  // of one frame: all copies
+    uint32_t paletteRange = 0;  // bytes that a draw sees as uniform block, from Draw::paletteOffset on; 0: the
+                                // palette is a storage block and every draw sees it all
+    std::vector<Stream> streams;
+    std::vector<Program> programs;
+    std::vector<Pass> passes;
+};
+
+// Bytes of device memory that the plan's streams take.
+uint64_t planBytes(const FramePlan& plan);
+
+// --- running it ------------------------------------------------------------------------------------------------
+
+struct FrameInput {
+    FrameConstants constants{};
+    std::span<const std::byte> palette;  // paletteBytes bytes; must stay alive during run()
+    std::span<const std::byte> skinned;  // for the hostWritten stream, else empty; copied as pass "upload"
+};
+
+// How run() draws its frames.
+// timed:   a full barrier around every pass and two timestamps at each.
+// overlap: between the passes of a frame only what the next one reads is waited for; two timestamps around the whole
+//          frame, with full barriers outside.
+// counted: pipeline statistics instead of timestamps.
+enum class RunMode { timed, overlap, counted };
+
+// What the pipeline did for one frame, all passes together; empty where the API does not count it for these passes.
+struct Counters {
+    std::optional<uint64_t> inputVertices, inputPrimitives, vertexInvocations, clippingInvocations, clippingPrimitives,
+        fragmentInvocations, computeInvocations, taskInvocations, meshInvocations, meshPrimitives;
+};
+
+// Milliseconds. `passes` has one element a pass of the plan, one in all in RunMode::overlap. `upload` is the host time
+// that the copy of FrameInput::skinned into device memory took, fenced; 0 where there is none. `record` and `submit`
+// are host times of the whole batch divided by its frames.
+struct Timing {
+    std::vector<double> passes;
+    double upload = 0;
+    double record = 0;
+    double submit = 0;
+    std::optional<Counters> counters;  // RunMode::counted, where DeviceCaps::pipelineStatistics
+};
+
+struct Image {
+    uint32_t width = 0;
+    uint32_t height = 0;
+    std::vector<uint8_t> rgba;  // row 0 is the top row
+};
+
+struct BackendOptions {
+    std::string device;       // number or part of the name; empty: the first hardware device, else the first
+    bool validation = false;  // Vulkan validation layers with synchronisation checks, OpenGL debug output
+};
+
+using PlanId = uint32_t;
+
+class Backend {
+public:
+    virtual ~Backend() = default;
+
+    virtual const DeviceCaps& caps() const = 0;
+
+    // Compiles and uploads; never timed. The id stays valid until release(). Fails with the compiler's first error
+    // line, or when the device has not the memory; nothing is left allocated then.
+    virtual Result<PlanId> prepare(const FramePlan& plan) = 0;
+
+    // Uploads every palette first, then renders all frames in order and waits; one Timing a frame. The first frame may
+    // be rendered once more in front of it, so what a frame leaves behind must not depend on how often it ran. Never
+    // fails because of what an earlier plan did; a lost device is an error of this and every later call.
+    virtual Result<std::vector<Timing>> run(PlanId plan, std::span<const FrameInput> frames,
+                                            RunMode mode = RunMode::timed) = 0;
+
+    // The colour target and a whole stream as the last run() of this plan left them. Plans of one size share their
+    // targets: the image is an error once another of them has run.
+    virtual Result<Image> readImage(PlanId plan) = 0;
+    virtual Result<std::vector<std::byte>> readStream(PlanId plan, uint32_t slot) = 0;
+
+    virtual void release(PlanId plan) = 0;
+
+    // What the validation layer or the debug output said since the last call; empty without validation.
+    virtual std::vector<std::string> takeMessages() = 0;
+};
+
+// --- the backends ----------------------------------------------------------------------------------------------
+
+// Every device that the API offers on this machine, with its caps. An API that is missing altogether (no loader, no
+// driver) is an error that says so; an API with no device is an empty list.
+Result<std::vector<DeviceCaps>> listVulkanDevices();
+Result<std::vector<DeviceCaps>> listGlDevices();
+
+Result<std::unique_ptr<Backend>> openVulkan(const BackendOptions& options);
+Result<std::unique_ptr<Backend>> openGl(const BackendOptions& options);
+
+// Keeps the plan and draws nothing; streams and images read back as uploaded or zero. The pattern for a new backend.
+std::unique_ptr<Backend> openNull(const DeviceCaps& caps);
+
+// Picks from a list as BackendOptions::device says; the error names what there is.
+Result<size_t> pickDevice(const std::vector<DeviceCaps>& devices, const std::string& wanted);
+
+}  // namespace skinbench

@@ -1,0 +1,53 @@
+#include "common/frame/image.h"
+
+#include <algorithm>
+#include <cstdlib>
+#include <cstring>
+
+#define STB_IMAGE_WRITE_STATIC
+#define STB_IMAGE_WRITE_IMPLEMENTATION
+#pragma GCC diagnostic push
+#pragma GCC diagnostic ignored "-Wmissing-field-initializers"
+#pragma GCC diagnostic ignored "-Wunused-function"
+#include <stb_image_write.h>
+#pragma GCC diagnostic pop
+
+#include "common/core/file.h"
+
+namespace skinbench {
+
+Result<void> savePng(const Image& image, const std::string& path) {
+    std::string bytes;
+    auto append = [](void* to, void* data, int size) {
+        static_cast<std::string*>(to)->append(static_cast<const char*>(data), static_cast<size_t>(size));
+    };
+    if (!stbi_write_png_to_func(append, &bytes, static_cast<int>(image.width), static_cast<int>(image.height), 4,
+                                image.rgba.data(), static_cast<int>(image.width * 4)))
+        return inputError(path + ": the image could not be encoded");
+    return writeWholeFile(path, bytes);
+}
+
+ImageDifference compareImages(const Image& a, const Image& b, uint32_t threshold) {
+    if (a.width != b.width || a.height != b.height || a.rgba.size() != b.rgba.size()) return {1, 255};
+    ImageDifference difference;
+    size_t different = 0;
+    for (size_t pixel = 0; pixel + 3 < a.rgba.size(); pixel += 4) {
+        uint32_t largest = 0;
+        for (size_t c = pixel; c < pixel + 4; ++c)
+            largest = std::max(largest, static_cast<uint32_t>(std::abs(int{a.rgba[c]} - int{b.rgba[c]})));
+        difference.largest = std::max(difference.largest, largest);
+        different += largest > threshold;
+    }
+    difference.fraction =
+        a.rgba.empty() ? 0 : static_cast<double>(different) / (static_cast<double>(a.rgba.size()) / 4);
+    return difference;
+}
+
+double coveredFraction(const Image& image) {
+    size_t covered = 0;
+    for (size_t pixel = 4; pixel + 3 < image.rgba.size(); pixel += 4)
+        covered += std::memcmp(&image.rgba[pixel], image.rgba.data(), 4) != 0;
+    return image.rgba.empty() ? 0 : static_cast<double>(covered) / (static_cast<double>(image.rgba.size()) / 4);
+}
+
+}  // namespace skinbench

@@ -1,0 +1,23 @@
+// Images of a rendered frame: PNG files and the comparison of two routes.
+#pragma once
+
+#include <string>
+
+#include "common/frame/backend.h"
+
+namespace skinbench {
+
+Result<void> savePng(const Image& image, const std::string& path);
+
+// Pixels that differ by more than `threshold` in some channel, as a fraction of all pixels, and the largest
+// difference of any channel. Images of different size differ everywhere (fraction 1).
+struct ImageDifference {
+    double fraction = 0;
+    uint32_t largest = 0;
+};
+ImageDifference compareImages(const Image& a, const Image& b, uint32_t threshold);
+
+// How much was drawn at all: pixels that differ from the background (the pixel at the top left), as a fraction.
+double coveredFraction(const Image& image);
+
+}  // namespace skinbench

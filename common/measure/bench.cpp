@@ -1,0 +1,367 @@
+#include "common/measure/bench_parts.h"
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <cstring>
+#include <format>
+#include <thread>
+
+#include "common/core/stats.h"
+#include "common/frame/image.h"
+#include "common/measure/verify.h"
+
+namespace skinbench {
+namespace {
+
+double milliseconds(std::chrono::steady_clock::time_point since) {
+    return std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - since).count();
+}
+
+unsigned allCores() { return std::max(1u, std::thread::hardware_concurrency()); }
+
+bool skinsOnHost(const Case& which) { return which.variant == findVariant("cpu"); }
+
+HostSkinning makeHostSkinning(const Scene& scene, uint32_t copies) {
+    HostSkinning host;
+    host.copies.assign(copies, scene.mesh);
+    host.palettes.resize(copies);
+    host.out.resize(size_t{copies} * scene.mesh.positions.size());
+    return host;
+}
+
+double skinFrame(HostSkinning& host, const FrameData& frame) {
+    const auto copies = static_cast<uint32_t>(host.copies.size());
+    for (uint32_t copy = 0; copy < copies; ++copy) host.palettes[copy] = paletteOfCopy(frame, copies, copy);
+    const auto start = std::chrono::steady_clock::now();
+    skinOnCpu({host.copies, host.palettes, host.out}, allCores());
+    return milliseconds(start);
+}
+
+std::string missingReason(const Runner& runner, const Case& which) {
+    auto open = runner.backends.find(which.route->api);
+    return open == runner.backends.end() ? "not opened" : open->second.missing;
+}
+
+}  // namespace
+
+void failCase(CaseResult& result, CaseStatus status, std::string reason) {
+    result.status = status;
+    result.reason = std::move(reason);
+}
+
+Backend* backendOf(const Runner& runner, const Case& which) {
+    auto open = runner.backends.find(which.route->api);
+    return open == runner.backends.end() ? nullptr : open->second.backend;
+}
+
+bool failOnMessages(CaseResult& result, Backend* backend) {
+    if (!backend) return false;
+    const std::vector<std::string> messages = backend->takeMessages();
+    if (messages.empty()) return false;
+    failCase(
+        result, CaseStatus::failed,
+        std::format("{} validation message{}: {}", messages.size(), messages.size() == 1 ? "" : "s", messages.front()));
+    return true;
+}
+
+Result<std::vector<FrameData>> frameRange(Workload& workload, const Case& which, uint32_t first, uint32_t count) {
+    std::vector<FrameData> frames;
+    for (uint32_t i = 0; i < count; ++i) {
+        auto frame = makeFrame(workload, which.influences, first + i);
+        if (!frame) return std::unexpected(frame.error());
+        frames.push_back(std::move(*frame));
+    }
+    return frames;
+}
+
+std::vector<std::pair<std::string, double>> passTimes(const Prepared& ready, const DrawnFrame& frame) {
+    std::vector<std::pair<std::string, double>> times;
+    if (ready.host) times.emplace_back("skin", frame.skin);
+    if (ready.host && ready.plan) times.emplace_back("upload", frame.timing.upload);
+    for (size_t pass = 0; pass < frame.timing.passes.size(); ++pass)
+        times.emplace_back(ready.labels[pass], frame.timing.passes[pass]);
+    return times;
+}
+
+Result<std::vector<DrawnFrame>> drawFrames(Prepared& ready, std::span<const FrameData> frames, RunMode mode) {
+    // Host skinning happens right before its frame, so such frames are drawn one by one.
+    const size_t batch = ready.host ? 1 : kBatch;
+    std::vector<DrawnFrame> drawn;
+    for (size_t start = 0; start < frames.size(); start += batch) {
+        double skin = 0;
+        std::vector<FrameInput> inputs;
+        std::vector<std::vector<std::byte>> blocked;
+        for (const FrameData& frame : frames.subspan(start, std::min(batch, frames.size() - start))) {
+            FrameInput input;
+            input.constants = frame.constants;
+            if (ready.host) {
+                skin = skinFrame(*ready.host, frame);
+                input.skinned = std::as_bytes(std::span(ready.host->out));
+            } else if (ready.blocks) {
+                blocked.push_back(blockedPalettes(frame, ready.input.copies, *ready.blocks));
+                input.palette = blocked.back();
+            } else {
+                input.palette = std::as_bytes(std::span(frame.palettes));
+            }
+            inputs.push_back(input);
+        }
+        std::vector<Timing> timings(inputs.size());
+        if (ready.plan) {
+            auto run = ready.backend->run(*ready.plan, inputs, mode);
+            if (!run) return std::unexpected(run.error());
+            timings = std::move(*run);
+        }
+        for (Timing& timing : timings) drawn.push_back({std::move(timing), skin});
+    }
+    return drawn;
+}
+
+Result<Prepared> prepareCase(Runner& runner, CaseResult& result, bool capture) {
+    Case which = result.which;
+    if (capture) which.raster = RasterMode::full;
+    auto input = planInput(runner.workload, which);
+    if (!input) return std::unexpected(input.error());
+    input->capture = capture;
+    Prepared ready;
+    ready.backend = backendOf(runner, which);
+    auto plan = makePlan(which, *input, ready.backend ? ready.backend->caps() : DeviceCaps{});
+    if (!plan) {
+        result.status = CaseStatus::skipped;
+        return std::unexpected(plan.error());
+    }
+    if (input->meshlets) result.meshlets = static_cast<uint32_t>(input->meshlets->meshlets.size());
+    result.memory = memoryOfOneCopy(*plan, input->copies);
+    ready.input = *input;
+    ready.blocks = paletteBlocks(which, *input);
+    for (const Pass& pass : plan->passes) ready.labels.push_back(pass.label);
+    if (skinsOnHost(which)) ready.host = std::make_unique<HostSkinning>(makeHostSkinning(*input->scene, input->copies));
+    if (ready.backend) {
+        auto id = ready.backend->prepare(*plan);
+        if (!id) {
+            result.status = CaseStatus::failed;
+            return std::unexpected(id.error());
+        }
+        ready.plan = *id;
+    }
+    return ready;
+}
+
+void releaseCase(Prepared& ready) {
+    if (ready.plan) ready.backend->release(*ready.plan);
+    ready = {};
+}
+
+namespace {
+
+Result<std::vector<SkinnedVertex>> capturedVertices(const Prepared& ready) {
+    const size_t vertices = ready.input.encoded->vertexCount;
+    std::vector<SkinnedVertex> captured(vertices * 2);
+    if (!ready.plan) {
+        std::ranges::copy(std::span(ready.host->out).first(vertices), captured.begin());
+        std::ranges::copy(std::span(ready.host->out).last(vertices), captured.begin() + vertices);
+        return captured;
+    }
+    auto bytes = ready.backend->readStream(*ready.plan, SLOT_CAPTURE);
+    if (!bytes) return std::unexpected(bytes.error());
+    SKINBENCH_ASSERT(bytes->size() >= captured.size() * sizeof(SkinnedVertex));
+    std::memcpy(captured.data(), bytes->data(), captured.size() * sizeof(SkinnedVertex));
+    return captured;
+}
+
+Result<void> compareWithFirstImage(Runner& runner, CaseResult& result, Prepared& ready) {
+    auto image = ready.backend->readImage(*ready.plan);
+    if (!image) return std::unexpected(image.error());
+    const Case& which = result.which;
+    // Where positions follow from the numbers of vertices, ordered records show another picture.
+    const bool numbered = result.isLimit && which.builder;
+    const std::string words =
+        std::format("{} {} {} {}", which.variant->skins, which.influences, which.codec->name, numbered);
+    auto [entry, first] = runner.firstImages.try_emplace(words, result.id, Image{});
+    if (first) entry->second.second = std::move(*image);
+    result.accuracy->imageReference = entry->second.first;
+    if (first) return {};
+    const ImageDifference difference = compareImages(entry->second.second, *image, runner.settings.imageThreshold);
+    result.accuracy->imageDifference = difference.fraction;
+    if (difference.fraction > runner.settings.imageFraction)
+        return deviceError(std::format("{:.3f} % of its pixels differ from those of {} (allowed: {:.3f} %)",
+                                       difference.fraction * 100, entry->second.first,
+                                       runner.settings.imageFraction * 100));
+    return {};
+}
+
+// The last one is frame 0, whatever the case, so that all images show one pose. Where vertices keep their last
+// position, frame 1 comes first; where some copies are skinned every second frame, each pose is drawn twice.
+Result<std::vector<FrameData>> framesToVerify(Runner& runner, const Case& which) {
+    auto poses = frameRange(runner.workload, which, 0, which.compute.previous ? 2 : 1);
+    if (!poses) return poses;
+    std::vector<FrameData> frames;
+    for (auto pose = poses->rbegin(); pose != poses->rend(); ++pose)
+        frames.insert(frames.end(), which.compute.halfRate ? 2 : 1, *pose);
+    for (size_t i = 0; i < frames.size(); ++i) frames[i].constants.grid.w = static_cast<float>(i);
+    return frames;
+}
+
+// Many cases draw the same vertices in the same pose. A few hundred mebibytes of references stay.
+constexpr size_t kKeptReferences = 8'000'000;  // vertices, of both copies
+
+const References& referencesFor(Runner& runner, const Case& which, const PlanInput& input, const FrameData& frame) {
+    const std::pair key{input.encoded, which.variant->skins};
+    if (auto known = runner.references.find(key); known != runner.references.end()) return known->second;
+    size_t kept = size_t{input.encoded->vertexCount} * 2;
+    for (const auto& [other, references] : runner.references)
+        kept += references.copies.size() * references.copies.front().source.positions.size();
+    if (kept > kKeptReferences) runner.references.clear();
+    return runner.references[key] = makeReferences(which, input, frame);
+}
+
+constexpr double kNormalTolerance = 1e-3;  // positions off by their tolerance seldom tilt a normal by more
+
+Result<void> verifyKept(const BenchSettings& settings, const Case& which, const Prepared& ready,
+                        const std::vector<FrameData>& frames) {
+    if (!which.compute.previous && !which.compute.tangents) return {};
+    auto records = ready.backend->readStream(*ready.plan, SLOT_SKINNED);
+    if (!records) return std::unexpected(records.error());
+    const KeptError error = keptError(which, ready.input, frames.front(), frames.back(), *records);
+    if (!(error.previous <= settings.tolerance))
+        return deviceError(std::format("previous positions are off by {:.3g} of the diagonal (allowed: {:.3g})",
+                                       error.previous, settings.tolerance));
+    if (!(error.tangent <= kNormalTolerance))
+        return deviceError(
+            std::format("tangents are off by {:.3g} rad (allowed: {:.3g})", error.tangent, kNormalTolerance));
+    return {};
+}
+
+Result<void> verifyDrawn(Runner& runner, CaseResult& result, Prepared& ready) {
+    auto frames = framesToVerify(runner, result.which);
+    if (!frames) return std::unexpected(frames.error());
+    if (auto drawn = drawFrames(ready, *frames); !drawn) return std::unexpected(drawn.error());
+    auto captured = capturedVertices(ready);
+    if (!captured) return std::unexpected(captured.error());
+    const References& references = referencesFor(runner, result.which, ready.input, frames->back());
+    const CapturedError errors = capturedError(references, *captured);
+    const SkinError* error = &errors.decoded;
+    const std::optional<double>& bound = references.bound;
+    result.accuracy = Accuracy{errors.decoded, runner.settings.tolerance, errors.source, 0, {}, bound};
+    if (!(error->position <= runner.settings.tolerance))
+        return deviceError(std::format("positions are off by {:.3g} of the diagonal (allowed: {:.3g})", error->position,
+                                       runner.settings.tolerance));
+    if (!(error->normal <= kNormalTolerance))
+        return deviceError(
+            std::format("normals are off by {:.3g} rad (allowed: {:.3g})", error->normal, kNormalTolerance));
+    if (bound && !(errors.source.position <= *bound + runner.settings.tolerance))
+        return deviceError(std::format("codec {} moves positions by {:.3g} of the diagonal (its bound: {:.3g})",
+                                       result.which.codec->name, errors.source.position, *bound));
+    if (auto kept = verifyKept(runner.settings, result.which, ready, *frames); !kept) return kept;
+    return ready.plan ? compareWithFirstImage(runner, result, ready) : Result<void>{};
+}
+
+void verifyCase(Runner& runner, CaseResult& result) {
+    const Case& which = result.which;
+    Backend* backend = backendOf(runner, which);
+    if (!backend && which.route->api != Api::cpu)
+        return failCase(result, CaseStatus::skipped, missingReason(runner, which));
+    if (backend)
+        if (auto reason = unsupported(which, backend->caps())) return failCase(result, CaseStatus::skipped, *reason);
+
+    // Raster modes share their shaders and buffers, so the first one's verification stands for all.
+    Case plain = which;
+    plain.raster = RasterMode::full;
+    auto [known, fresh] = runner.verifiedAs.try_emplace(caseId(plain), &result - runner.results.data());
+    if (!fresh) {
+        const CaseResult& same = runner.results[known->second];
+        result.status = same.status;
+        result.reason = same.reason;
+        result.accuracy = same.accuracy;
+        result.meshlets = same.meshlets;
+        result.memory = same.memory;
+        return;
+    }
+    auto ready = prepareCase(runner, result, true);
+    if (!ready) return failCase(result, result.status, ready.error().text);
+    auto verified = verifyDrawn(runner, result, *ready);
+    releaseCase(*ready);
+    if (failOnMessages(result, backend)) return;
+    if (!verified) return failCase(result, CaseStatus::failed, verified.error().text);
+    result.status = CaseStatus::ok;
+}
+
+}  // namespace
+
+static CaseResult resultFor(const Case& which) {
+    CaseResult result;
+    result.which = which;
+    result.id = caseId(which);
+    result.reason = "interrupted before it was verified";
+    return result;
+}
+
+// Verifies results[i]; the fraction of the work is told as one of `count`.
+static Result<void> verifyResult(Runner& runner, size_t i, size_t count) {
+    CaseResult& result = runner.results[i];
+    const double share = runner.settings.timed ? 0.3 : 1.0;
+    if (runner.events.progress)
+        runner.events.progress("verify " + result.id, share * static_cast<double>(i) / static_cast<double>(count));
+    if (auto scene = sceneFor(runner.workload, result.which.influences); !scene) return std::unexpected(scene.error());
+    verifyCase(runner, result);
+    return runner.events.checkpoint ? runner.events.checkpoint(runner.results) : Result<void>{};
+}
+
+// The limits of the cases that are right, each once.
+static void addLimits(std::vector<CaseResult>& results) {
+    const size_t cases = results.size();
+    std::map<std::string, bool> known;
+    for (size_t i = 0; i < cases; ++i) {
+        if (results[i].status != CaseStatus::ok) continue;
+        const std::optional<Case> limit = limitCase(results[i].which);
+        if (!limit) continue;
+        results[i].limitId = caseId(*limit);
+        if (!known.try_emplace(results[i].limitId).second) continue;
+        results.push_back(resultFor(*limit));
+        results.back().isLimit = true;
+    }
+}
+
+Result<std::vector<CaseResult>> runBench(Workload& workload, const std::vector<Case>& cases, const Backends& backends,
+                                         const BenchSettings& settings, const BenchEvents& events) {
+    Runner runner{workload, backends, settings, events, {}, {}, {}, {}};
+    for (const Case& which : cases) {
+        runner.results.push_back(resultFor(which));
+        if (!settings.selfTest) continue;
+        runner.results.push_back(resultFor(which));
+        runner.results.back().id += "+again";
+        runner.results.back().isAgain = true;
+    }
+    auto stopped = [&] { return events.stop && events.stop(); };
+    const size_t asked = runner.results.size();
+    for (size_t i = 0; i < asked && !stopped(); ++i)
+        if (auto done = verifyResult(runner, i, asked); !done) return std::unexpected(done.error());
+    if (settings.timed && settings.limits) addLimits(runner.results);
+    for (size_t i = asked; i < runner.results.size() && !stopped(); ++i)
+        if (auto done = verifyResult(runner, i, runner.results.size()); !done) return std::unexpected(done.error());
+    if (settings.timed)
+        if (auto timed = timeCases(runner); !timed) return std::unexpected(timed.error());
+    for (CaseResult& result : runner.results)
+        if (settings.timed && result.status == CaseStatus::ok && result.total.empty())
+            failCase(result, CaseStatus::skipped, "interrupted before it was timed");
+    if (events.progress) events.progress("", 1);
+    return std::move(runner.results);
+}
+
+Result<Image> renderImage(Workload& workload, const Case& which, Backend& backend) {
+    if (auto reason = unsupported(which, backend.caps())) return deviceError(*reason);
+    const Backends backends{{which.route->api, {&backend, {}}}};
+    const BenchSettings settings;
+    Runner runner{workload, backends, settings, {}, {}, {}, {}, {}};
+    CaseResult result;
+    result.which = which;
+    result.id = caseId(which);
+    auto ready = prepareCase(runner, result, true);
+    if (!ready) return std::unexpected(ready.error());
+    auto verified = verifyDrawn(runner, result, *ready);
+    Result<Image> image = verified ? backend.readImage(*ready->plan) : std::unexpected(verified.error());
+    releaseCase(*ready);
+    return image;
+}
+
+}  // namespace skinbench

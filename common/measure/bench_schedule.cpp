@@ -1,0 +1,269 @@
+// Rounds over the cases: which are resident, in what order they run, when a median is known well enough.
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <random>
+#include <utility>
+
+#include "common/measure/bench_parts.h"
+
+namespace skinbench {
+namespace {
+
+using Clock = std::chrono::steady_clock;
+
+constexpr double kSettled = 0.005;  // relative difference of two warm-up runs
+// Seconds. An idle GPU holds its low clocks for a while, steadily, and longest after cases were prepared.
+constexpr double kShortestWarmup = 0.05;
+constexpr double kFirstWarmup = 1;
+constexpr double kLongestWarmup = 3;
+
+double seconds(Clock::time_point since) { return std::chrono::duration<double>(Clock::now() - since).count(); }
+
+// Prepared plans stay on the device between rounds as long as they fit in half of its memory.
+uint64_t residentBudget(const Backend* backend) {
+    const uint64_t device = backend && !backend->caps().software ? backend->caps().deviceBytes : 0;
+    return device ? device / 2 : uint64_t{4} << 30;
+}
+
+struct Timer {
+    Runner& runner;
+    std::map<size_t, Prepared> resident;                                // by result number
+    std::map<std::pair<int, uint32_t>, std::vector<FrameData>> frames;  // of this round, by influences and first frame
+
+    CaseResult& result(size_t number) { return runner.results[number]; }
+    Backend* backend(size_t number) { return backendOf(runner, result(number).which); }
+    uint64_t bytes(size_t number) {
+        const CaseResult& of = result(number);
+        return of.memory ? of.memory->total() * runner.workload.settings.copies : 0;
+    }
+    bool began = false;  // the first warm-up is over
+    bool stopped() const { return runner.events.stop && runner.events.stop(); }
+};
+
+void drop(Timer& timer, size_t number) {
+    releaseCase(timer.resident.at(number));
+    timer.resident.erase(number);
+}
+
+// Consecutive cases that fit on their devices together; a case that fits on none is alone.
+std::vector<std::span<const size_t>> groupsOf(Timer& timer, std::span<const size_t> order) {
+    std::vector<std::span<const size_t>> groups;
+    std::map<Backend*, uint64_t> filled;
+    size_t start = 0;
+    for (size_t i = 0; i < order.size(); ++i) {
+        Backend* const backend = timer.backend(order[i]);
+        const uint64_t bytes = timer.bytes(order[i]);
+        if (i > start && filled[backend] + bytes > residentBudget(backend)) {
+            groups.push_back(order.subspan(start, i - start));
+            filled.clear();
+            start = i;
+        }
+        filled[backend] += bytes;
+    }
+    if (start < order.size()) groups.push_back(order.subspan(start));
+    return groups;
+}
+
+// Releases what is not in the group while the group does not fit beside it.
+void makeRoom(Timer& timer, std::span<const size_t> group) {
+    std::map<Backend*, uint64_t> filled;
+    for (size_t number : group) filled[timer.backend(number)] += timer.bytes(number);
+    std::vector<size_t> others;
+    for (const auto& [number, ready] : timer.resident)
+        if (std::ranges::find(group, number) == group.end()) others.push_back(number);
+    for (size_t number : others) {
+        Backend* const backend = timer.backend(number);
+        filled[backend] += timer.bytes(number);
+        if (filled[backend] > residentBudget(backend)) drop(timer, number);
+    }
+}
+
+// One untimed frame with the pipeline's own counters.
+Result<void> countCase(Timer& timer, CaseResult& result, Prepared& ready) {
+    if (!ready.plan || !ready.backend->caps().pipelineStatistics) return {};
+    auto frame = frameRange(timer.runner.workload, result.which, 0, 1);
+    if (!frame) return std::unexpected(frame.error());
+    auto drawn = drawFrames(ready, *frame, RunMode::counted);
+    if (!drawn) return std::unexpected(drawn.error());
+    result.counters = drawn->front().timing.counters;
+    return {};
+}
+
+void dropAll(Timer& timer) {
+    for (auto& [number, ready] : timer.resident) releaseCase(ready);
+    timer.resident.clear();
+}
+
+// Gives whether anything was prepared; what cannot be is failed.
+bool prepareGroup(Timer& timer, std::span<const size_t> group) {
+    bool any = false;
+    for (size_t number : group) {
+        CaseResult& result = timer.result(number);
+        if (timer.stopped()) return any;
+        if (result.status != CaseStatus::ok || timer.resident.contains(number)) continue;
+        auto ready = prepareCase(timer.runner, result, false);
+        if (!ready) {
+            failCase(result, CaseStatus::failed, ready.error().text);
+            continue;
+        }
+        any = true;
+        Prepared& kept = timer.resident.emplace(number, std::move(*ready)).first->second;
+        if (result.counters) continue;
+        if (auto counted = countCase(timer, result, kept); !counted) {
+            failCase(result, CaseStatus::failed, counted.error().text);
+            drop(timer, number);
+        }
+    }
+    return any;
+}
+
+double sum(const Prepared& ready, std::span<const DrawnFrame> drawn) {
+    double total = 0;
+    for (const DrawnFrame& frame : drawn)
+        for (const auto& [pass, time] : passTimes(ready, frame)) total += time;
+    return total;
+}
+
+// Draws the first frames again and again until two runs in a row agree, because a GPU that has waited for the host
+// needs a while to raise its clocks. Software drivers and host skinning never settle so well and get one run.
+Result<void> warmUp(const BenchSettings& settings, Prepared& ready, std::span<const FrameData> frames,
+                    double shortest) {
+    const auto some = frames.first(std::min<size_t>(settings.warmup, frames.size()));
+    if (some.empty()) return {};
+    const bool settles = ready.plan && !ready.host && !ready.backend->caps().software;
+    const auto start = Clock::now();
+    double last = 0;
+    for (;;) {
+        auto drawn = drawFrames(ready, some);
+        if (!drawn) return std::unexpected(drawn.error());
+        const double now = sum(ready, *drawn), passed = seconds(start);
+        const bool settled = std::abs(now - last) <= kSettled * last && passed >= shortest;
+        if (!settles || settled || passed > kLongestWarmup) return {};
+        last = now;
+    }
+}
+
+void record(CaseResult& result, const Prepared& ready, std::span<const DrawnFrame> drawn) {
+    for (const DrawnFrame& frame : drawn) {
+        double total = 0;
+        for (const auto& [pass, time] : passTimes(ready, frame)) {
+            result.passes[pass].push_back(time);
+            total += time;
+        }
+        result.total.push_back(total);
+        result.record.push_back(frame.timing.record);
+        result.submit.push_back(frame.timing.submit);
+    }
+}
+
+// Posed once a round for all cases that show them.
+Result<std::span<const FrameData>> framesFrom(Timer& timer, const Case& which, uint32_t first, uint32_t count) {
+    std::vector<FrameData>& kept = timer.frames[{which.influences, first}];
+    if (kept.empty()) {
+        // A hundred thousand frames would not fit in memory: only those that are drawn together stay.
+        std::erase_if(timer.frames, [&](const auto& entry) { return entry.first.second != first; });
+        auto made = frameRange(timer.runner.workload, which, first, count);
+        if (!made) return std::unexpected(made.error());
+        kept = std::move(*made);
+    }
+    return std::span<const FrameData>(kept);
+}
+
+// One round of one case: warm-up, timed frames, and for several passes as many frames that overlap.
+Result<void> timeRound(Timer& timer, CaseResult& result, Prepared& ready, uint32_t from, uint32_t count,
+                       double shortest) {
+    const bool overlaps = ready.plan && !ready.host && ready.labels.size() > 1;
+    for (uint32_t done = 0; done < count; done += kBatch) {
+        auto frames = framesFrom(timer, result.which, from + done, std::min(kBatch, count - done));
+        if (!frames) return std::unexpected(frames.error());
+        if (done == 0)
+            if (auto warm = warmUp(timer.runner.settings, ready, *frames, shortest); !warm) return warm;
+        if (!std::exchange(timer.began, true) && timer.runner.events.timing) timer.runner.events.timing();
+        auto drawn = drawFrames(ready, *frames);
+        if (!drawn) return std::unexpected(drawn.error());
+        record(result, ready, *drawn);
+        if (!overlaps) continue;
+        auto overlapped = drawFrames(ready, *frames, RunMode::overlap);
+        if (!overlapped) return std::unexpected(overlapped.error());
+        for (const DrawnFrame& frame : *overlapped) result.overlapped.push_back(frame.timing.passes.front());
+    }
+    return {};
+}
+
+void timeCase(Timer& timer, size_t number, uint32_t from, uint32_t count, double shortest) {
+    CaseResult& result = timer.result(number);
+    auto place = timer.resident.find(number);
+    if (result.status != CaseStatus::ok || place == timer.resident.end()) return;
+    const size_t before = result.total.size();
+    if (auto timed = timeRound(timer, result, place->second, from, count, shortest); !timed)
+        failCase(result, CaseStatus::failed, timed.error().text);
+    if (result.total.size() > before) result.roundSizes.push_back(result.total.size() - before);
+    failOnMessages(result, place->second.backend);
+    if (result.status == CaseStatus::failed) return drop(timer, number);
+    // Kept, because checkpoints write them again and again.
+    result.interval = medianInterval(result.total, result.roundSizes);
+    if (!result.overlapped.empty()) result.overlappedInterval = medianInterval(result.overlapped, result.roundSizes);
+}
+
+// The frames of a round: the settings' frames over their rounds, and as many as in the first in each that is added.
+std::pair<uint32_t, uint32_t> framesOfRound(const BenchSettings& settings, uint32_t round) {
+    if (round >= settings.rounds) {
+        const uint32_t more = std::max(1u, settings.frames / settings.rounds);
+        return {settings.frames + (round - settings.rounds) * more, more};
+    }
+    const uint64_t frames = settings.frames;
+    const auto from = static_cast<uint32_t>(frames * round / settings.rounds);
+    return {from, static_cast<uint32_t>(frames * (round + 1) / settings.rounds) - from};
+}
+
+bool needsRound(const BenchSettings& settings, const CaseResult& result, uint32_t round) {
+    if (result.status != CaseStatus::ok) return false;
+    if (round < settings.rounds) return true;
+    if (settings.precision <= 0 || round >= std::max(kMostRounds, settings.rounds) || !result.interval) return false;
+    return relativeHalfWidth(*result.interval, summarise(result.total).median) > settings.precision;
+}
+
+// A seeded Fisher-Yates shuffle: std::shuffle's order differs between standard libraries.
+void shuffle(std::vector<size_t>& order, std::mt19937& random) {
+    for (size_t i = order.size(); i > 1; --i) std::swap(order[i - 1], order[random() % i]);
+}
+
+}  // namespace
+
+Result<void> timeCases(Runner& runner) {
+    const BenchSettings& settings = runner.settings;
+    Timer timer{runner, {}, {}};
+    std::mt19937 random(settings.seed);
+    const auto start = Clock::now();
+    Result<void> outcome;
+    for (uint32_t round = 0; outcome && !timer.stopped(); ++round) {
+        if (round >= settings.rounds && settings.timeLimit > 0 && seconds(start) > settings.timeLimit) break;
+        std::vector<size_t> order;
+        for (size_t i = 0; i < runner.results.size(); ++i)
+            if (needsRound(settings, runner.results[i], round)) order.push_back(i);
+        if (order.empty()) break;
+        shuffle(order, random);
+        if (settings.freshPlacement) dropAll(timer);
+        const auto [from, count] = framesOfRound(settings, round);
+        double done = 0;
+        for (const std::span<const size_t> group : groupsOf(timer, order)) {
+            makeRoom(timer, group);
+            bool cold = prepareGroup(timer, group);
+            for (size_t number : group) {
+                if (timer.stopped() || !outcome) break;
+                const double rounds =
+                    std::min<double>(round, settings.rounds - 1) + done++ / static_cast<double>(order.size());
+                if (runner.events.progress)
+                    runner.events.progress(timer.result(number).id, 0.3 + 0.7 * rounds / settings.rounds);
+                timeCase(timer, number, from, count, std::exchange(cold, false) ? kFirstWarmup : kShortestWarmup);
+                if (runner.events.checkpoint) outcome = runner.events.checkpoint(runner.results);
+            }
+        }
+    }
+    if (timer.began && runner.events.timing) runner.events.timing();
+    dropAll(timer);
+    return outcome;
+}
+
+}  // namespace skinbench

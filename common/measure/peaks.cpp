@@ -1,0 +1,39 @@
+#include "common/measure/peaks.h"
+
+#include <algorithm>
+
+namespace skinbench {
+
+constexpr uint32_t kGroup = 256;  // invocations, 16 bytes each
+constexpr uint32_t kMostGroups = 32768;
+constexpr size_t kFrames = 8;
+
+Result<double> measureCopyBandwidth(Backend& backend, const ShaderLibrary& shaders) {
+    const DeviceCaps& caps = backend.caps();
+    const uint64_t wanted = caps.software ? uint64_t{16} << 20 : uint64_t{256} << 20;
+    const uint64_t bytes = std::min(wanted, caps.maxStorageBytes / (kGroup * 16) * (kGroup * 16));
+    Result<ShaderText> text =
+        shaderText(shaders, {"copy.glsl", Stage::compute, caps.api, MeshDialect::none, false, {}});
+    if (!text) return std::unexpected(text.error());
+    FramePlan plan;
+    plan.label = "copy bandwidth";
+    plan.programs.push_back({.label = "copy", .stages = {std::move(*text)}});
+    plan.streams = {{.slot = SLOT_VERTEX, .gpuBytes = bytes}, {.slot = SLOT_SKINNED, .gpuBytes = bytes}};
+    Pass pass{.label = "copy", .kind = PassKind::dispatch};
+    const auto groups = static_cast<uint32_t>(bytes / (kGroup * 16));
+    const uint32_t most = std::clamp(caps.maxComputeGroupCount, 1u, kMostGroups);
+    for (uint32_t first = 0; first < groups; first += most)
+        pass.draws.push_back({.count = std::min(most, groups - first), .constants = {0, first, 0, 0}});
+    plan.passes.push_back(std::move(pass));
+    auto id = backend.prepare(plan);
+    if (!id) return std::unexpected(id.error());
+    auto timings = backend.run(*id, std::vector<FrameInput>(kFrames));
+    backend.release(*id);
+    if (!timings) return std::unexpected(timings.error());
+    double fastest = timings->front().passes.front();
+    for (const Timing& timing : *timings) fastest = std::min(fastest, timing.passes.front());
+    if (fastest <= 0) return deviceError(caps.name + ": its timestamps do not count, so no bandwidth follows");
+    return 2 * static_cast<double>(bytes) / (fastest * 1e-3);
+}
+
+}  // namespace skinbench

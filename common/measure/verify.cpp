@@ -1,0 +1,190 @@
+#include "common/measure/verify.h"
+
+#include <algorithm>
+#include <array>
+#include <cstring>
+#include <limits>
+
+#include "common/plans/plan_parts.h"
+#include "common/scene/tangents.h"
+
+namespace skinbench {
+
+static SkinError larger(const SkinError& a, const SkinError& b) {
+    return {std::max(a.position, b.position), std::max(a.normal, b.normal)};
+}
+
+static SkinnedReference referenceOf(const Case& which, const Mesh& mesh, const Palette& palette) {
+    if (which.variant->skins) return skinReference(mesh, palette);
+    return {{mesh.positions.begin(), mesh.positions.end()}, {mesh.normals.begin(), mesh.normals.end()}};
+}
+
+std::vector<uint32_t> sourcesOf(const PlanInput& input) {
+    std::vector<uint32_t> sources = input.encoded->sources;
+    if (sources.empty())
+        for (uint32_t v = 0; v < input.encoded->vertexCount; ++v) sources.push_back(v);
+    if (input.records)
+        for (uint32_t& source : sources) source = input.records->sources[source];
+    return sources;
+}
+
+static SkinnedReference repeat(const SkinnedReference& reference, const std::vector<uint32_t>& sources) {
+    SkinnedReference repeated;
+    repeated.positions.reserve(sources.size());
+    repeated.normals.reserve(sources.size());
+    for (uint32_t source : sources) {
+        repeated.positions.push_back(reference.positions[source]);
+        repeated.normals.push_back(reference.normals[source]);
+    }
+    return repeated;
+}
+
+References makeReferences(const Case& which, const PlanInput& input, const FrameData& frame) {
+    const Mesh& mesh = input.scene->mesh;
+    const std::vector<uint32_t> sources = sourcesOf(input);
+    const bool lossy = input.encoded->decode != nullptr;
+    const Mesh decoded = lossy ? input.encoded->decode() : Mesh{};
+    References references;
+    for (uint32_t number = 0; number < input.copies; number += std::max(1u, input.copies - 1)) {
+        const Palette palette = paletteOfCopy(frame, input.copies, number);
+        References::Copy& copy = references.copies.emplace_back();
+        copy.diagonal = std::max<double>(posedBounds(mesh, palette).diagonal(), 1e-30);
+        copy.source = repeat(referenceOf(which, mesh, palette), sources);
+        if (lossy) copy.decoded = referenceOf(which, decoded, palette);
+    }
+    references.bound = codecPositionBound(which, input, frame);
+    return references;
+}
+
+CapturedError capturedError(const References& references, std::span<const SkinnedVertex> captured) {
+    CapturedError worst;
+    const size_t vertices = captured.size() / 2;
+    for (size_t i = 0; i < references.copies.size(); ++i) {
+        const References::Copy& copy = references.copies[i];
+        SKINBENCH_ASSERT(copy.source.positions.size() == vertices);
+        const auto part = captured.subspan(i * vertices, vertices);
+        const SkinError source = compareSkinned(copy.source, part, copy.diagonal);
+        worst.source = larger(worst.source, source);
+        const SkinError own = copy.decoded ? compareSkinned(*copy.decoded, part, copy.diagonal) : source;
+        worst.decoded = larger(worst.decoded, own);
+    }
+    return worst;
+}
+
+// How far `moved` reaches, at most, in each axis.
+static double reach(const PaletteEntry& joint, const glm::dvec3& moved) {
+    glm::dvec3 far;
+    for (int row = 0; row < 3; ++row) far[row] = glm::dot(glm::abs(glm::dvec3(joint.rows[row])), moved);
+    return glm::length(far);
+}
+
+static glm::dvec3 transform(const PaletteEntry& joint, const glm::vec3& position) {
+    const glm::dvec4 p(position, 1);
+    return {glm::dot(glm::dvec4(joint.rows[0]), p), glm::dot(glm::dvec4(joint.rows[1]), p),
+            glm::dot(glm::dvec4(joint.rows[2]), p)};
+}
+
+// One skinned vertex; `more` are joints that decoding may add.
+static double vertexBound(const Mesh& mesh, uint32_t vertex, const Influences& more, const CodecBounds& bounds,
+                          const Palette& palette) {
+    constexpr double kSumRounding = 5e-7;  // of weights in single precision, given and decoded
+    const Influences& own = mesh.influences[vertex];
+    std::array<glm::dvec3, 2 * kMaxInfluences> places;
+    size_t count = 0;
+    double blended = 0, farthest = 0, spread = 0, length = 0;
+    for (const Influences* side : {&own, &more})
+        for (int k = 0; k < kMaxInfluences; ++k) {
+            if (side->weights[k] == 0 || side->joints[k] == kNoJoint) continue;
+            const PaletteEntry& joint = palette[side->joints[k]];
+            const double moved = reach(joint, bounds.position);
+            if (side == &own) blended += side->weights[k] * moved;
+            farthest = std::max(farthest, moved);
+            places[count] = transform(joint, mesh.positions[vertex]);
+            length = std::max(length, glm::length(places[count]));
+            for (size_t i = 0; i < count; ++i) spread = std::max(spread, glm::distance(places[i], places[count]));
+            ++count;
+        }
+    // What some joints lose others gain: half of the sum moves over the distance between two of them at most.
+    return blended + bounds.weights * farthest + bounds.weights / 2 * spread + kSumRounding * length;
+}
+
+std::optional<double> codecPositionBound(const Case& which, const PlanInput& input, const FrameData& frame) {
+    if (!input.encoded->decode) return 0;
+    if (!input.encoded->bounds) return std::nullopt;
+    const CodecBounds& bounds = *input.encoded->bounds;
+    const Mesh& mesh = input.scene->mesh;
+    const std::vector<uint32_t> sources = sourcesOf(input);
+    const Mesh decoded = bounds.addsJoints && which.variant->skins ? input.encoded->decode() : Mesh{};
+    double worst = 0;
+    for (uint32_t copy : {0u, input.copies - 1}) {
+        const Palette palette = paletteOfCopy(frame, input.copies, copy);
+        double most = which.variant->skins ? 0 : glm::length(bounds.position);
+        for (size_t v = 0; which.variant->skins && v < sources.size(); ++v) {
+            const Influences more = decoded.influences.empty() ? Influences{} : decoded.influences[v];
+            most = std::max(most, vertexBound(mesh, sources[v], more, bounds, palette));
+        }
+        worst = std::max(worst, most / std::max<double>(posedBounds(mesh, palette).diagonal(), 1e-30));
+    }
+    return worst;
+}
+
+// As skipsFrame of shaders_glsl/compute.glsl, whatever the frame.
+static bool isFar(const FrameData& frame, uint32_t copies, uint32_t copy) {
+    const auto columns = static_cast<uint32_t>(frame.constants.grid.x);
+    return copy / columns * 2 >= (copies + columns - 1) / columns;
+}
+
+// The vertices as the shader decodes them.
+static Mesh decodedMesh(const PlanInput& input) {
+    if (input.encoded->decode) return input.encoded->decode();
+    Mesh mesh;
+    for (uint32_t source : sourcesOf(input)) {
+        mesh.positions.push_back(input.scene->mesh.positions[source]);
+        mesh.normals.push_back(input.scene->mesh.normals[source]);
+        mesh.influences.push_back(input.scene->mesh.influences[source]);
+    }
+    return mesh;
+}
+
+KeptError keptError(const Case& which, const PlanInput& input, const FrameData& before, const FrameData& frame,
+                    std::span<const std::byte> records) {
+    const SkinnedLayout layout = skinnedLayout(which);
+    const size_t vertices = input.encoded->vertexCount;
+    SKINBENCH_ASSERT(records.size() == vertices * input.copies * layout.stride);
+    const Mesh mesh = decodedMesh(input);
+    Mesh tangential = mesh;  // its normals are the tangents: both are turned alike
+    std::vector<float> sides;
+    if (layout.tangent) {
+        const std::vector<glm::vec4> tangents = vertexTangents(input.scene->mesh);
+        const std::vector<uint32_t> sources = sourcesOf(input);
+        for (size_t v = 0; v < vertices; ++v) {
+            tangential.normals[v] = glm::vec3(tangents[sources[v]]);
+            sides.push_back(tangents[sources[v]].w);
+        }
+    }
+    KeptError worst;
+    for (uint32_t copy : {0u, input.copies - 1}) {
+        std::vector<SkinnedVertex> kept(vertices);
+        for (size_t v = 0; v < vertices; ++v) {
+            const std::byte* record = &records[(copy * vertices + v) * layout.stride];
+            glm::vec4 tangent(0);
+            if (layout.previous) std::memcpy(&kept[v].position, record + layout.previous, sizeof(glm::vec3));
+            if (!layout.tangent) continue;
+            std::memcpy(&tangent, record + layout.tangent, sizeof(tangent));
+            kept[v].normal = glm::vec3(tangent);
+            if (tangent.w != sides[v]) worst.tangent = std::numeric_limits<double>::infinity();
+        }
+        const Palette now = paletteOfCopy(frame, input.copies, copy);
+        if (layout.tangent)
+            worst.tangent = std::max(worst.tangent, compareSkinned(skinReference(tangential, now), kept, 0).normal);
+        if (!layout.previous) continue;
+        // A copy that every frame skins has shown the last pose twice.
+        const bool twice = which.compute.halfRate && !isFar(frame, input.copies, copy);
+        const Palette then = twice ? now : paletteOfCopy(before, input.copies, copy);
+        const double diagonal = std::max<double>(posedBounds(input.scene->mesh, then).diagonal(), 1e-30);
+        worst.previous = std::max(worst.previous, compareSkinned(skinReference(mesh, then), kept, diagonal).position);
+    }
+    return worst;
+}
+
+}  // namespace skinbench

@@ -1,0 +1,58 @@
+// What a plan captured, compared with the reference.
+#pragma once
+
+#include <optional>
+#include <span>
+#include <vector>
+
+#include "common/cases/workload.h"
+#include "common/plans/variant.h"
+#include "common/scene/skin_cpu.h"
+
+namespace skinbench {
+
+struct CapturedError {
+    SkinError decoded;  // against the reference skinned from what the codec decodes to
+    SkinError source;   // against the reference skinned from the scene's own vertices
+};
+
+// What captured vertices are compared with in one pose. It depends on the encoded vertices and on whether the variant
+// skins, not on the route or the device.
+struct References {
+    struct Copy {
+        double diagonal = 0;                      // of the posed bounding box
+        SkinnedReference source;                  // by encoded vertex
+        std::optional<SkinnedReference> decoded;  // empty: the codec loses nothing
+    };
+    std::vector<Copy> copies;     // the first and the last one; a single copy once
+    std::optional<double> bound;  // codecPositionBound
+};
+References makeReferences(const Case& which, const PlanInput& input, const FrameData& frame);
+
+// `captured` holds the encoded vertices of the first copy, then those of the last one, as the references' frame poses
+// them. A single copy is captured in the first half only.
+CapturedError capturedError(const References& references, std::span<const SkinnedVertex> captured);
+
+// The largest CapturedError::source.position that the codec's bounds (CodecBounds) and the joint transforms of `frame`
+// allow, over the vertices that capturedError compares; 0 for a codec that loses nothing. What the variant's own
+// arithmetic adds comes on top. Empty where the codec promises nothing.
+//
+//   p' - p = sum_j w'_j M_j dp + sum_j dw_j M_j p      w' = w + dw, sum_j dw_j = 0, |dp| and sum_j |dw_j| bounded
+std::optional<double> codecPositionBound(const Case& which, const PlanInput& input, const FrameData& frame);
+
+// What the variant `compute` keeps beside positions and normals: the larger error of the first and the last copy, 0 for
+// what the case does not keep.
+struct KeptError {
+    double previous = 0;  // of positions, relative to the posed bounding box's diagonal
+    double tangent = 0;   // radians; infinite where a tangent's side is wrong
+};
+
+// `records` is the content of SLOT_SKINNED once `before` and then `frame` were drawn, with ComputeOptions::halfRate
+// each twice, so that every copy showed both.
+KeptError keptError(const Case& which, const PlanInput& input, const FrameData& before, const FrameData& frame,
+                    std::span<const std::byte> records);
+
+// For each encoded vertex the vertex of the scene that it came from.
+std::vector<uint32_t> sourcesOf(const PlanInput& input);
+
+}  // namespace skinbench

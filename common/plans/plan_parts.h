@@ -1,0 +1,66 @@
+// What the functions of plans.h build their frames from.
+#pragma once
+
+#include <initializer_list>
+
+#include "common/plans/plans.h"
+#include "common/scene/skin_cpu.h"
+
+namespace skinbench {
+
+// Defines that every stage of the case sees.
+Defines commonDefines(const Case& which, const PlanInput& input);
+
+// Replaces the value of a define that is there, or adds it.
+void setDefine(Defines& defines, const std::string& name, const std::string& value);
+
+struct StageFile {
+    Stage stage;
+    const char* file;
+};
+Result<Program> makeProgram(const Case& which, const PlanInput& input, const char* label,
+                            std::initializer_list<StageFile> stages, const Defines& defines);
+
+// Size, palette and, for a verifying plan, the stream to capture into.
+FramePlan startPlan(const Case& which, const PlanInput& input);
+
+// The pass that makes the image: "draw" of the direct scenario.
+Pass startDraw(const Case& which, PassKind kind);
+
+// The first pass of a pre-pass: depth only.
+Pass startDepth(const Case& which, PassKind kind);
+
+// Makes `pass` the second pass of a pre-pass.
+void drawWhereEqual(Pass& pass);
+
+// A copy of the bytes for every character; nothing for null or empty bytes.
+void addStream(FramePlan& plan, uint32_t slot, uint32_t use, const Bytes& bytes, uint32_t copies);
+
+// The encoded vertices and what belongs to them, for stages that read storage blocks.
+void addEncoded(FramePlan& plan, const PlanInput& input);
+
+// One vertex of SLOT_SKINNED, in bytes: a SkinnedVertex, or 16 bytes where ComputeOptions::packed; then a vec4 each for
+// what the case keeps beside. `previous` and `tangent` are offsets, 0 where there is none.
+struct SkinnedLayout {
+    uint32_t stride = 0;
+    uint32_t previous = 0;
+    uint32_t tangent = 0;
+};
+SkinnedLayout skinnedLayout(const Case& which);
+
+// Room for every vertex of every copy.
+void addSkinnedStream(FramePlan& plan, const PlanInput& input, uint32_t use, uint32_t stride = sizeof(SkinnedVertex));
+
+// An indexed draw a copy, or one for all: then the indices of copy c already count from c * vertexCount. The index
+// stream is added once.
+void addIndexedDraws(FramePlan& plan, Pass& pass, const Case& which, const PlanInput& input);
+
+// Work groups for every copy, or for all at once; draws are split where the device allows fewer groups.
+void addGroupDraws(Pass& pass, const Case& which, const PlanInput& input, uint32_t groupsOfCopy, uint32_t groupsOfAll,
+                   uint32_t most);
+
+// A pass with a plain vertex stage over the attributes of SLOT_SKINNED: the same for every variant that
+// has skinned before. `depthOnly` makes it the depth pass of a pre-pass.
+Result<void> addSkinnedDraw(FramePlan& plan, const Case& which, const PlanInput& input, bool depthOnly = false);
+
+}  // namespace skinbench

@@ -1,0 +1,59 @@
+// Frames whose vertices a compute pass skins.
+#include <algorithm>
+#include <format>
+
+#include "common/measure/verify.h"
+#include "common/plans/plan_parts.h"
+#include "common/scene/tangents.h"
+
+namespace skinbench {
+namespace {
+
+constexpr uint32_t kGroupVertices = 64;
+
+// A row a vertex as the case stores them.
+Bytes tangentBytes(const PlanInput& input) {
+    const std::vector<glm::vec4> tangents = vertexTangents(input.scene->mesh);
+    std::vector<glm::vec4> stored;
+    for (uint32_t source : sourcesOf(input)) stored.push_back(tangents[source]);
+    return toBytes(stored);
+}
+
+Result<void> stagePalette(Defines& defines, const PlanInput& input, const DeviceCaps& caps) {
+    const size_t joints = input.scene->skeleton.joints.size();
+    const size_t bytes = joints * sizeof(PaletteEntry);
+    if (bytes > caps.maxComputeSharedBytes)
+        return deviceError(std::format("needs {} bytes of shared memory for {} joints: {} allows {}", bytes, joints,
+                                       caps.name, caps.maxComputeSharedBytes));
+    setDefine(defines, "STAGED_JOINTS", std::to_string(joints));
+    return {};
+}
+
+}  // namespace
+
+Result<FramePlan> planCompute(const Case& which, const PlanInput& input, const DeviceCaps& caps) {
+    Defines defines = commonDefines(which, input);
+    if (which.compute.staged)
+        if (auto staged = stagePalette(defines, input, caps); !staged) return std::unexpected(staged.error());
+    auto program = makeProgram(which, input, "skin", {{Stage::compute, "compute.glsl"}}, defines);
+    if (!program) return std::unexpected(program.error());
+    FramePlan plan = startPlan(which, input);
+    plan.programs.push_back(std::move(*program));
+    addEncoded(plan, input);
+    if (which.compute.tangents) addStream(plan, SLOT_TANGENT, useStorage, tangentBytes(input), input.copies);
+    addSkinnedStream(plan, input, useStorage | useAttributes, skinnedLayout(which).stride);
+    Pass skin;
+    skin.label = "skin";
+    skin.kind = PassKind::dispatch;
+    const uint64_t vertices = input.encoded->vertexCount;
+    auto groups = [](uint64_t count) { return static_cast<uint32_t>((count + kGroupVertices - 1) / kGroupVertices); };
+    addGroupDraws(skin, which, input, groups(vertices), groups(vertices * input.copies),
+                  std::max(1u, std::min(caps.maxComputeGroupCount, 65535u)));
+    plan.passes.push_back(std::move(skin));
+    if (which.scenario == Scenario::prepass)
+        if (auto added = addSkinnedDraw(plan, which, input, true); !added) return std::unexpected(added.error());
+    if (auto added = addSkinnedDraw(plan, which, input); !added) return std::unexpected(added.error());
+    return plan;
+}
+
+}  // namespace skinbench

@@ -1,0 +1,257 @@
+#include "common/report/compare.h"
+
+#include <algorithm>
+#include <cmath>
+#include <format>
+#include <map>
+#include <numeric>
+
+#include <nlohmann/json.hpp>
+
+#include "common/report/report.h"
+
+namespace skinbench {
+using Json = nlohmann::ordered_json;
+
+namespace {
+
+// A file that does not tell its rounds counts as one; samples that are not positive count as none.
+Measured measuredOf(const Json& row) {
+    Measured measured{row["gpu_ms"].value("samples", std::vector<double>()), {}};
+    auto usable = [](double sample) { return std::isfinite(sample) && sample > 0; };
+    if (!std::ranges::all_of(measured.samples, usable)) measured.samples.clear();
+    const Json sizes = row["gpu_ms"].value("round_sizes", Json(nullptr));
+    if (!sizes.is_null()) measured.roundSizes = sizes.get<std::vector<size_t>>();
+    std::erase(measured.roundSizes, 0);
+    const size_t sum = std::accumulate(measured.roundSizes.begin(), measured.roundSizes.end(), size_t{0});
+    if (measured.roundSizes.empty() || sum != measured.samples.size()) measured.roundSizes = {measured.samples.size()};
+    return measured;
+}
+
+ComparedSide sideOf(const Json& results, const Json& row) {
+    ComparedSide side{row["status"], row["reason"].is_null() ? "" : row["reason"].get<std::string>(), {}, false};
+    if (side.status == "ok" && !row["gpu_ms"].is_null())
+        if (const double median = row["gpu_ms"]["median"]; std::isfinite(median) && median > 0) side.median = median;
+    side.software = side.median && isSoftware(results, row);
+    return side;
+}
+
+ComparedCase compareTimes(ComparedCase compared, const Json& a, const Json& b, double noiseFloor) {
+    compared.ratio = *compared.b.median / *compared.a.median;
+    const Measured before = measuredOf(a), after = measuredOf(b);
+    if (std::min(before.samples.size(), after.samples.size()) < kFewestSamples) {
+        compared.change = Change::unknown;
+        return compared;
+    }
+    compared.interval = medianRatioInterval(before, after);
+    const bool outside = std::abs(*compared.ratio - 1) > noiseFloor;
+    if (outside && compared.interval->low > 1) compared.change = Change::slower;
+    if (outside && compared.interval->high < 1) compared.change = Change::faster;
+    return compared;
+}
+
+ComparedCase compareCase(const Json& a, const Json& rowA, const Json& b, const Json& rowB, double noiseFloor) {
+    ComparedCase compared{rowA["id"], Change::same, sideOf(a, rowA), sideOf(b, rowB), {}, {}};
+    const bool okA = compared.a.status == "ok", okB = compared.b.status == "ok";
+    if (okA && okB && compared.a.median && compared.b.median)
+        return compareTimes(std::move(compared), rowA, rowB, noiseFloor);
+    compared.change = okA && okB ? Change::untimed : okA ? Change::broken : okB ? Change::mended : Change::notRun;
+    return compared;
+}
+
+std::string shown(const Json& value) { return value.is_string() ? value.get<std::string>() : value.dump(); }
+
+std::string devicesText(const Json& results) {
+    std::string text;
+    for (const Json& device : results["devices"])
+        text += std::format("{}{}: {}, {}{}", text.empty() ? "" : "; ", shown(device["route_api"]),
+                            shown(device["name"]), shown(device["driver"]), device["software"] ? " (software)" : "");
+    return text.empty() ? "none" : text;
+}
+
+std::vector<std::string> differencesOf(const Json& a, const Json& b) {
+    std::vector<std::string> differences;
+    auto differ = [&](const std::string& what, const std::string& before, const std::string& after) {
+        if (before != after) differences.push_back(what + ": " + before + " | " + after);
+    };
+    differ("devices", devicesText(a), devicesText(b));
+    for (const char* group : {"scene", "settings", "host", "tool"}) {
+        for (const auto& [key, value] : a[group].items())
+            differ(std::string(group) + " " + key, shown(value), b[group].contains(key) ? shown(b[group][key]) : "–");
+        for (const auto& [key, value] : b[group].items())
+            if (!a[group].contains(key)) differ(std::string(group) + " " + key, "–", shown(value));
+    }
+    return differences;
+}
+
+Result<std::map<std::string, const Json*>> casesById(const Json& results, const char* name) {
+    std::map<std::string, const Json*> cases;
+    for (const Json& row : results["cases"])
+        if (!cases.emplace(row["id"], &row).second)
+            return inputError(std::string(name) + " holds the case " + row["id"].get<std::string>() + " twice");
+    return cases;
+}
+
+// Distance of the ratio from 1 in both directions alike.
+double effect(const ComparedCase& compared) { return compared.ratio ? std::abs(std::log(*compared.ratio)) : 0; }
+
+Result<Comparison> compareChecked(const Json& a, const Json& b) {
+    auto casesA = casesById(a, "A"), casesB = casesById(b, "B");
+    if (!casesA) return std::unexpected(casesA.error());
+    if (!casesB) return std::unexpected(casesB.error());
+    Comparison comparison;
+    comparison.differences = differencesOf(a, b);
+    auto floorOf = [](const Json& results) {
+        const Json floor = results.value("noise_floor", Json(nullptr));
+        return floor.is_null() ? std::optional<double>() : floor.get<double>();
+    };
+    const auto floorA = floorOf(a), floorB = floorOf(b);
+    comparison.noiseFloor = std::max(floorA.value_or(kDefaultNoiseFloor), floorB.value_or(kDefaultNoiseFloor));
+    comparison.noiseFloorMeasured = floorA && floorB;
+    auto covers = [&](const Json& results, const auto& floor) {
+        return floor || results.value("settings", Json::object()).value("placement", "kept") == "fresh";
+    };
+    comparison.placementCovered = covers(a, floorA) && covers(b, floorB);
+    for (const Json& row : a["cases"]) {
+        const auto other = casesB->find(row["id"]);
+        if (other == casesB->end())
+            comparison.cases.push_back({row["id"], Change::onlyA, sideOf(a, row), {}, {}, {}});
+        else
+            comparison.cases.push_back(compareCase(a, row, b, *other->second, comparison.noiseFloor));
+    }
+    for (const Json& row : b["cases"])
+        if (!casesA->contains(row["id"]))
+            comparison.cases.push_back({row["id"], Change::onlyB, {}, sideOf(b, row), {}, {}});
+    std::ranges::stable_sort(comparison.cases, [](const ComparedCase& x, const ComparedCase& y) {
+        return x.change != y.change ? x.change < y.change : effect(x) > effect(y);
+    });
+    return comparison;
+}
+
+// "25.415*": milliseconds with the mark of a software driver.
+std::string timeText(const ComparedSide& side) {
+    return side.median ? std::format("{:.3f}{}", *side.median, side.software ? "*" : " ") : "- ";
+}
+
+std::string reasonText(const ComparedSide& side) { return side.reason.empty() ? "" : ": " + side.reason; }
+
+std::string lineText(const ComparedCase& compared, size_t width) {
+    const auto& [id, change, a, b, ratio, interval] = compared;
+    if (change == Change::onlyA) return std::format("  {}  {}{}\n", id, a.status, reasonText(a));
+    if (change == Change::onlyB) return std::format("  {}  {}{}\n", id, b.status, reasonText(b));
+    if (a.status != "ok" || b.status != "ok")
+        return std::format("  {}  A {}{} | B {}{}\n", id, a.status, reasonText(a), b.status, reasonText(b));
+    if (!ratio) return std::format("  {}\n", id);
+    return std::format("  {:<{}}  {:>11}{:>11}  {:>7.4f}{} {}\n", id, width, timeText(a), timeText(b), *ratio,
+                       a.software || b.software ? "*" : " ",
+                       interval ? std::format("{:.4f} to {:.4f}", interval->low, interval->high) : "-");
+}
+
+const char* headingOf(Change change) {
+    switch (change) {
+        case Change::slower:
+            return "slower in B";
+        case Change::faster:
+            return "faster in B";
+        case Change::same:
+            return "no difference";
+        case Change::unknown:
+            return "not told, fewer than 6 samples";
+        case Change::broken:
+            return "ok in A, not in B";
+        case Change::mended:
+            return "ok in B, not in A";
+        case Change::notRun:
+            return "ok in neither";
+        case Change::untimed:
+            return "not timed in both";
+        case Change::onlyA:
+            return "only in A";
+        case Change::onlyB:
+            return "only in B";
+    }
+    return "?";
+}
+
+Json sideJson(const ComparedSide& side) {
+    if (side.status.empty()) return nullptr;
+    return {{"status", side.status},
+            {"reason", side.reason.empty() ? Json(nullptr) : Json(side.reason)},
+            {"median_ms", side.median ? Json(*side.median) : Json(nullptr)},
+            {"software", side.software}};
+}
+
+}  // namespace
+
+const char* changeName(Change change) {
+    const char* names[] = {"slower", "faster",  "same",    "unknown", "broken",
+                           "mended", "not-run", "untimed", "only-a",  "only-b"};
+    return names[static_cast<size_t>(change)];
+}
+
+Result<Comparison> compareResults(const Json& a, const Json& b) {
+    try {
+        return compareChecked(a, b);
+    } catch (const Json::exception& error) {
+        return inputError("a result file holds a value of the wrong kind: " + std::string(error.what()));
+    }
+}
+
+bool isWorse(const ComparedCase& compared, double percent) {
+    return compared.change == Change::broken ||
+           (compared.change == Change::slower && (*compared.ratio - 1) * 100 > percent);
+}
+
+Json comparisonJson(const Comparison& comparison) {
+    Json cases = Json::array();
+    for (const ComparedCase& compared : comparison.cases) {
+        const auto& interval = compared.interval;
+        cases.push_back({{"id", compared.id},
+                         {"change", changeName(compared.change)},
+                         {"a", sideJson(compared.a)},
+                         {"b", sideJson(compared.b)},
+                         {"ratio", compared.ratio ? Json(*compared.ratio) : Json(nullptr)},
+                         {"interval", interval ? Json{interval->low, interval->high} : Json(nullptr)}});
+    }
+    return {{"schema", kCompareSchema},
+            {"differences", comparison.differences},
+            {"noise_floor", comparison.noiseFloor},
+            {"noise_floor_measured", comparison.noiseFloorMeasured},
+            {"placement_covered", comparison.placementCovered},
+            {"cases", cases}};
+}
+
+std::string comparisonText(const Comparison& comparison) {
+    std::string text;
+    for (const std::string& difference : comparison.differences) text += "differs: " + difference + "\n";
+    text +=
+        std::format("noise floor: {:.2f} %{}\n", comparison.noiseFloor * 100,
+                    comparison.noiseFloorMeasured ? "" : " (0.30 % stands for a file that did not measure its own)");
+    size_t width = 4;
+    bool software = false;
+    for (const ComparedCase& compared : comparison.cases) {
+        if (compared.ratio) width = std::max(width, compared.id.size());
+        software = software || compared.a.software || compared.b.software;
+    }
+    const ComparedCase* previous = nullptr;
+    for (const ComparedCase& compared : comparison.cases) {
+        if (!previous || previous->change != compared.change) {
+            const auto count = std::ranges::count(comparison.cases, compared.change, &ComparedCase::change);
+            const std::string heading = std::format("{} ({})", headingOf(compared.change), count);
+            text += compared.ratio ? std::format("\n{:<{}}  {:>10} {:>10}   {:>7}  {}\n", heading, width + 2, "A ms",
+                                                 "B ms", "B/A", "95 % interval")
+                                   : "\n" + heading + "\n";
+        }
+        text += lineText(compared, width);
+        previous = &compared;
+    }
+    const bool hardware = std::ranges::any_of(
+        comparison.cases, [](const ComparedCase& compared) { return compared.ratio && !compared.b.software; });
+    if (hardware && !comparison.placementCovered)
+        text +=
+            "where memory lies is in no interval of cases that are kept in place: bench --placement fresh covers it\n";
+    if (software) text += "* software driver: shows that the path works, not how fast a GPU is\n";
+    return text;
+}
+
+}  // namespace skinbench

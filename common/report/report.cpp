@@ -1,0 +1,416 @@
+#include "common/report/report.h"
+
+#include <sys/utsname.h>
+
+#include <algorithm>
+#include <cmath>
+#include <format>
+#include <fstream>
+
+#include <nlohmann/json.hpp>
+
+#include "common/core/stats.h"
+#include "common/core/version.h"
+
+namespace skinbench {
+using Json = nlohmann::ordered_json;
+
+static std::string firstValue(const char* file, const std::string& key, char separator) {
+    std::ifstream lines(file);
+    for (std::string line; std::getline(lines, line);) {
+        if (line.compare(0, key.size(), key) != 0) continue;
+        size_t start = line.find(separator);
+        if (start == std::string::npos) continue;
+        start = line.find_first_not_of(" \t\"", start + 1);
+        if (start == std::string::npos) continue;
+        return line.substr(start, line.find_last_not_of(" \t\"") + 1 - start);
+    }
+    return {};
+}
+
+RunContext hostContext() {
+    RunContext context;
+    context.version = SKINBENCH_VERSION;
+    context.revision = SKINBENCH_REVISION;
+    context.buildType = SKINBENCH_BUILD_TYPE;
+    utsname system{};
+    uname(&system);
+    context.os = firstValue("/etc/os-release", "PRETTY_NAME", '=') + ", " + system.sysname + " " + system.release;
+    context.cpu = firstValue("/proc/cpuinfo", "model name", ':');
+    if (context.cpu.empty()) context.cpu = system.machine;
+    return context;
+}
+
+Json sceneJson(const std::string& name, const SceneStats& stats) {
+    return {{"name", name},
+            {"vertices", stats.vertices},
+            {"triangles", stats.triangles},
+            {"joints", stats.joints},
+            {"unique_tuples", stats.uniqueTuples},
+            {"mean_influences", stats.meanInfluences},
+            {"max_influences", stats.maxInfluences}};
+}
+
+static Json meshLimitsJson(const MeshLimitsOfDevice& limits) {
+    if (!limits.available) return nullptr;
+    return {{"max_vertices", limits.maxVertices},
+            {"max_triangles", limits.maxTriangles},
+            {"max_group_size", limits.maxGroupSize},
+            {"max_group_count", limits.maxGroupCount},
+            {"max_output_bytes", limits.maxOutputBytes},
+            {"max_shared_bytes", limits.maxSharedBytes},
+            {"preferred_group_size", limits.preferredGroupSize}};
+}
+
+Json capsJson(const DeviceCaps& caps) {
+    return {{"route_api", caps.api == Api::vulkan ? "vulkan" : "opengl"},
+            {"name", caps.name},
+            {"driver", caps.driver},
+            {"software", caps.software},
+            {"timestamp_period_ns", caps.timestampPeriodNs},
+            {"version", caps.version},
+            {"timestamp_bits", caps.timestampBits},
+            {"mesh_ext", meshLimitsJson(caps.ext)},
+            {"mesh_nv", meshLimitsJson(caps.nv)},
+            {"subgroup_size", caps.subgroupSize},
+            {"mesh_subgroups", caps.meshSubgroups},
+            {"subpixel_bits", caps.subpixelBits},
+            {"max_compute_shared_bytes", caps.maxComputeSharedBytes},
+            {"max_compute_group_size", caps.maxComputeGroupSize},
+            {"max_storage_bytes", caps.maxStorageBytes},
+            {"max_uniform_bytes", caps.maxUniformBytes},
+            {"storage_blocks_vertex", caps.storageBlocksVertex},
+            {"device_bytes", caps.deviceBytes},
+            {"pipeline_statistics", caps.pipelineStatistics},
+            {"mesh_counters", caps.meshCounters},
+            {"last_mesh_output_lost", caps.lastMeshOutputLost},
+            {"mesh_depth_differs", caps.meshDepthDiffers},
+            {"primitive_cull_ignored", caps.primitiveCullIgnored}};
+}
+
+static Json intervalJson(const std::optional<Interval>& interval) {
+    return interval ? Json::array({interval->low, interval->high}) : Json(nullptr);
+}
+
+static Json timesJson(const CaseResult& result) {
+    if (result.total.empty()) return nullptr;
+    const Summary s = summarise(result.total);
+    Json json = {{"mean", s.mean}, {"median", s.median}, {"min", s.min}, {"max", s.max}, {"p95", s.p95}, {"cv", s.cv}};
+    json["interval"] = intervalJson(result.interval);
+    json["outliers"] = countOutliers(result.total);
+    const Drift drift = driftBetweenRounds(result.total, result.roundSizes);
+    json["drift"] = {{"relative", drift.relative}, {"p", drift.p ? Json(*drift.p) : Json(nullptr)}};
+    json["round_sizes"] = result.roundSizes;
+    json["samples"] = result.total;
+    return json;
+}
+
+static Json passesJson(const CaseResult& result) {
+    if (result.total.empty()) return nullptr;
+    Json passes = {{"skin", nullptr}, {"depth", nullptr}, {"draw", nullptr}};
+    for (const auto& [label, samples] : result.passes) passes[label] = summarise(samples).median;
+    return passes;
+}
+
+static Json overlapJson(const CaseResult& result) {
+    if (result.overlapped.empty()) return nullptr;
+    return {{"median", summarise(result.overlapped).median}, {"interval", intervalJson(result.overlappedInterval)}};
+}
+
+static Json countersJson(const std::optional<Counters>& counters) {
+    if (!counters) return nullptr;
+    auto number = [](const std::optional<uint64_t>& value) { return value ? Json(*value) : Json(nullptr); };
+    return {{"input_vertices", number(counters->inputVertices)},
+            {"input_primitives", number(counters->inputPrimitives)},
+            {"vertex_invocations", number(counters->vertexInvocations)},
+            {"clipping_invocations", number(counters->clippingInvocations)},
+            {"clipping_primitives", number(counters->clippingPrimitives)},
+            {"fragment_invocations", number(counters->fragmentInvocations)},
+            {"compute_invocations", number(counters->computeInvocations)},
+            {"task_invocations", number(counters->taskInvocations)},
+            {"mesh_invocations", number(counters->meshInvocations)},
+            {"mesh_primitives", number(counters->meshPrimitives)}};
+}
+
+// What a frame draws, and what it holds of all copies, a second.
+static Json achievedJson(const RunContext& context, const CaseResult& result) {
+    if (result.total.empty() || !result.memory) return nullptr;
+    const double seconds = summarise(result.total).median * 1e-3, copies = context.workload.copies;
+    if (seconds <= 0) return nullptr;
+    return {{"bytes_per_s", static_cast<double>(result.memory->total()) * copies / seconds},
+            {"triangles_per_s", static_cast<double>(context.scene.triangles) * copies / seconds}};
+}
+
+static Json memoryJson(const std::optional<MemoryBytes>& memory) {
+    if (!memory) return nullptr;
+    return {{"vertex", memory->vertex},   {"index", memory->index},
+            {"meshlet", memory->meshlet}, {"additional_meshlet", memory->additionalMeshlet},
+            {"tuple", memory->tuple},     {"palette", memory->palette},
+            {"skinned", memory->skinned}, {"total", memory->total()}};
+}
+
+static Json accuracyJson(const CaseResult& result) {
+    if (!result.accuracy) return nullptr;
+    const Accuracy& accuracy = *result.accuracy;
+    // JSON has no infinity, which stands for a value that was not finite.
+    auto finite = [](double value) { return std::isfinite(value) ? Json(value) : Json(nullptr); };
+    const bool image = !accuracy.imageReference.empty();
+    return {{"max_position_error", finite(accuracy.error.position)},
+            {"max_normal_error", finite(accuracy.error.normal)},
+            {"tolerance", accuracy.tolerance},
+            {"codec_position_error", finite(accuracy.codecError.position)},
+            {"codec_normal_error", finite(accuracy.codecError.normal)},
+            {"codec_position_bound", accuracy.codecBound ? finite(*accuracy.codecBound) : Json(nullptr)},
+            {"image_difference", image ? Json(accuracy.imageDifference) : Json(nullptr)},
+            {"image_reference", image ? Json(accuracy.imageReference) : Json(nullptr)}};
+}
+
+static Json optionsJson(const Case& which) {
+    Json options = {{"influences", std::to_string(which.influences)},
+                    {"submission", which.submission == Submission::batched ? "batched" : "per-copy"},
+                    {"back_faces", which.keepBackFaces ? "kept" : "culled"}};
+    if (which.variant->fetches && which.route->dialect == MeshDialect::none)
+        options["vertex_fetch"] = which.fetch == VertexFetch::pull ? "pull" : "attributes";
+    if (which.variant == findVariant("compute")) options["compute"] = computeName(which.compute);
+    if (usesPartition(which)) options["palette_slots"] = std::to_string(which.paletteSlots);
+    if (which.builder) {
+        options["meshlet_vertices"] = std::to_string(which.limits.vertices);
+        options["meshlet_triangles"] = std::to_string(which.limits.triangles);
+        options["group_size"] = std::to_string(which.groupSize);
+        if (which.route->dialect == MeshDialect::nv) options["index_writes"] = which.packedWrites ? "packed" : "single";
+        options["joints"] = jointSourceName(which.shape.joints);
+        options["loads"] = which.shape.clampedLoads ? "clamped" : "guarded";
+        options["records"] = which.shape.orderedRecords ? "ordered" : "indexed";
+        options["palette"] = which.shape.uniformPalette ? "uniform" : "storage";
+        if (which.cull != Cull::off) options["exchange"] = exchangeName(which.exchange);
+        if (sharesJointLists(which)) {
+            options["ci_grouping"] = ciGroupingName(which.common.grouping);
+            if (which.common.grouping == CiGrouping::triangles) options["ci_key"] = ciKeyName(which.common.key);
+            options["ci_min"] = std::to_string(which.common.minVertices);
+            options["ci_vertices"] = which.common.fat ? "fat" : "slim";
+        }
+    }
+    return options;
+}
+
+static const char* statusName(CaseStatus status) {
+    switch (status) {
+        case CaseStatus::ok:
+            return "ok";
+        case CaseStatus::skipped:
+            return "skipped";
+        case CaseStatus::failed:
+            return "failed";
+    }
+    return "?";
+}
+
+static bool isTimed(const CaseResult& result) { return result.status == CaseStatus::ok && !result.total.empty(); }
+
+static Json limitJson(const std::vector<CaseResult>& results, const CaseResult& of) {
+    auto limit = std::ranges::find_if(results, [&](const CaseResult& r) { return r.isLimit && r.id == of.limitId; });
+    return limit == results.end() || !isTimed(*limit) ? Json(nullptr) : Json(summarise(limit->total).median);
+}
+
+static Json caseJson(const RunContext& context, const std::vector<CaseResult>& results, const CaseResult& result) {
+    const Case& which = result.which;
+    const bool timed = isTimed(result);
+    return {{"id", result.id},
+            {"route", which.route->name},
+            {"variant", which.variant->name},
+            {"codec", which.codec->name},
+            {"builder", which.builder ? Json(which.builder->name) : Json(nullptr)},
+            {"layout", which.layout ? Json(which.layout->name) : Json(nullptr)},
+            {"cull", cullName(which.cull)},
+            {"scenario", scenarioName(which.scenario)},
+            {"raster", rasterName(which.raster)},
+            {"options", optionsJson(which)},
+            {"status", statusName(result.status)},
+            {"reason", result.status == CaseStatus::ok ? Json(nullptr) : Json(result.reason)},
+            {"gpu_ms", timed ? timesJson(result) : Json(nullptr)},
+            {"passes_ms", timed ? passesJson(result) : Json(nullptr)},
+            {"unserialised_ms", timed ? overlapJson(result) : Json(nullptr)},
+            {"host_ms",
+             timed ? Json{{"record", summarise(result.record).median}, {"submit", summarise(result.submit).median}}
+                   : Json(nullptr)},
+            {"limit_ms", limitJson(results, result)},
+            {"limit_id", result.limitId.empty() ? Json(nullptr) : Json(result.limitId)},
+            {"achieved", timed ? achievedJson(context, result) : Json(nullptr)},
+            {"counters", countersJson(result.counters)},
+            {"meshlets", which.builder && result.meshlets ? Json(result.meshlets) : Json(nullptr)},
+            {"memory_bytes", memoryJson(result.memory)},
+            {"accuracy", accuracyJson(result)}};
+}
+
+static Json limitsJson(const std::vector<CaseResult>& results) {
+    Json limits = Json::array();
+    for (const CaseResult& result : results) {
+        if (!result.isLimit) continue;
+        limits.push_back({{"id", result.id},
+                          {"route", result.which.route->name},
+                          {"raster", rasterName(result.which.raster)},
+                          {"status", statusName(result.status)},
+                          {"reason", result.status == CaseStatus::ok ? Json(nullptr) : Json(result.reason)},
+                          {"gpu_ms", isTimed(result) ? timesJson(result) : Json(nullptr)},
+                          {"counters", countersJson(result.counters)}});
+    }
+    return limits;
+}
+
+// The device's copy bandwidth, and the most triangles a second that a limit of this run reached.
+static Json peakJson(const RunContext& context, const std::vector<CaseResult>& results, Api api) {
+    double most = 0;
+    for (const CaseResult& result : results)
+        if (result.isLimit && result.which.route->api == api && isTimed(result) && summarise(result.total).median > 0)
+            most = std::max(most, static_cast<double>(context.scene.triangles) * context.workload.copies /
+                                      (summarise(result.total).median * 1e-3));
+    auto copied = context.copyBandwidth.find(api);
+    if (most == 0 && copied == context.copyBandwidth.end()) return nullptr;
+    return {{"copy_bytes_per_s", copied == context.copyBandwidth.end() ? Json(nullptr) : Json(copied->second)},
+            {"triangles_per_s", most > 0 ? Json(most) : Json(nullptr)}};
+}
+
+static Json statesJson(const std::vector<DeviceState>& states) {
+    auto number = [](const std::optional<double>& value) { return value ? Json(*value) : Json(nullptr); };
+    Json list = Json::array();
+    for (const DeviceState& state : states)
+        list.push_back({{"device", state.device},
+                        {"sm_clock_mhz", number(state.smClockMhz)},
+                        {"memory_clock_mhz", number(state.memoryClockMhz)},
+                        {"temperature_c", number(state.temperatureC)},
+                        {"power_w", number(state.powerW)},
+                        {"power_state", state.powerState.empty() ? Json(nullptr) : Json(state.powerState)}});
+    return list;
+}
+
+static Json environmentJson(const RunContext& context) {
+    const auto& states = context.deviceStates;
+    return {{"before", states.empty() ? Json::array() : statesJson(states.front())},
+            {"after", states.size() < 2 ? Json::array() : statesJson(states.back())},
+            {"verified_s", context.verifiedSeconds},
+            {"timed_s", context.timedSeconds}};
+}
+
+// A case of the self-test and its twin behind it.
+struct Twins {
+    const CaseResult *a, *b;
+};
+
+static std::vector<Twins> timedTwins(const std::vector<CaseResult>& results) {
+    std::vector<Twins> twins;
+    for (size_t i = 1; i < results.size(); ++i)
+        if (results[i].isAgain && isTimed(results[i]) && isTimed(results[i - 1]))
+            twins.push_back({&results[i - 1], &results[i]});
+    return twins;
+}
+
+static double differenceOf(const Twins& twins) {
+    const double a = summarise(twins.a->total).median, b = summarise(twins.b->total).median;
+    return a == 0 ? 0 : std::abs(b - a) / a;
+}
+
+// Below it a difference is never told: what timestamps and clocks round.
+constexpr double kResolution = 0.001;
+
+// Fifty pairs are compared at once. Of eight rounds that differ, intervals of 95 % tell one equal pair in 80 apart by
+// chance, those of 99.5 % one in 700 (simulated as in test_stats.cpp).
+constexpr double kSelfTestLevel = 0.995;
+
+static bool skinsOnHost(const CaseResult& result) { return result.which.variant == findVariant("cpu"); }
+
+std::optional<double> noiseFloor(const std::vector<CaseResult>& results) {
+    std::optional<double> floor;
+    for (const Twins& twins : timedTwins(results))
+        if (!skinsOnHost(*twins.a)) floor = std::max(floor.value_or(0), differenceOf(twins));
+    return floor;
+}
+
+static Json selfTestJson(const std::vector<CaseResult>& results) {
+    Json rows = Json::array();
+    for (const Twins& twins : timedTwins(results)) {
+        const Interval a = medianInterval(twins.a->total, twins.a->roundSizes, kSelfTestLevel),
+                       b = medianInterval(twins.b->total, twins.b->roundSizes, kSelfTestLevel);
+        rows.push_back({{"id", twins.a->id},
+                        {"a_ms", summarise(twins.a->total).median},
+                        {"b_ms", summarise(twins.b->total).median},
+                        {"difference", differenceOf(twins)},
+                        {"equal", (a.low <= b.high && b.low <= a.high) || differenceOf(twins) <= kResolution}});
+    }
+    return rows;
+}
+
+constexpr double kMovedClock = 0.02, kDrift = 0.01, kUnlikely = 0.01;
+
+std::vector<std::string> figureWarnings(const RunContext& context, const std::vector<CaseResult>& results) {
+    std::vector<std::string> warnings = context.warnings;
+    if (context.buildType != "Release")
+        warnings.push_back("this is a " + context.buildType + " build; times of the host are not those of a release");
+    if (context.deviceStates.size() >= 2) {
+        const auto &before = context.deviceStates.front(), &after = context.deviceStates.back();
+        for (size_t i = 0; i < std::min(before.size(), after.size()); ++i) {
+            const auto &from = before[i].smClockMhz, &to = after[i].smClockMhz;
+            if (from && to && std::abs(*to - *from) > kMovedClock * *from)
+                warnings.push_back(std::format("the clock of {} moved from {:.0f} to {:.0f} MHz while cases were timed",
+                                               before[i].device, *from, *to));
+        }
+    }
+    size_t drifted = 0;
+    for (const CaseResult& result : results) {
+        if (!isTimed(result) || skinsOnHost(result)) continue;
+        const Drift drift = driftBetweenRounds(result.total, result.roundSizes);
+        drifted += drift.p && *drift.p < kUnlikely && drift.relative > kDrift;
+    }
+    if (drifted > 0)
+        warnings.push_back(std::format("{} of {} cases drifted by more than {:.0f} % between rounds", drifted,
+                                       std::ranges::count_if(results, isTimed), kDrift * 100));
+    return warnings;
+}
+
+static Json settingsJson(const RunContext& context) {
+    auto positive = [](double value) { return value > 0 ? Json(value) : Json(nullptr); };
+    return {{"copies", context.workload.copies},
+            {"frames", context.bench.frames},
+            {"warmup", context.bench.warmup},
+            {"width", context.workload.width},
+            {"height", context.workload.height},
+            {"pose", context.workload.animated ? "animated" : "frozen"},
+            {"rounds", context.bench.rounds},
+            {"precision", positive(context.bench.precision)},
+            {"time_limit_s", positive(context.bench.timeLimit)},
+            {"seed", context.bench.seed},
+            {"placement", context.bench.freshPlacement ? "fresh" : "kept"},
+            {"geometry", geometryName(context.workload.prepare.geometry)},
+            {"cache_order", context.workload.prepare.cacheOrder}};
+}
+
+Json resultsJson(const RunContext& context, const std::vector<CaseResult>& results) {
+    Json devices = Json::array(), cases = Json::array();
+    for (const DeviceCaps& caps : context.devices) {
+        devices.push_back(capsJson(caps));
+        devices.back()["peak"] = peakJson(context, results, caps.api);
+    }
+    for (const CaseResult& result : results)
+        if (!result.isLimit) cases.push_back(caseJson(context, results, result));
+    Json calibrations = Json::array();
+    for (const Calibration& calibration : context.calibrations) {
+        Json tried = Json::array();
+        for (const auto& [id, median] : calibration.tried) tried.push_back({{"id", id}, {"median_ms", median}});
+        calibrations.push_back({{"chosen", calibration.chosen}, {"tried", tried}});
+    }
+    const std::optional<double> floor = noiseFloor(results);
+    return {{"schema", kResultsSchema},
+            {"tool", {{"version", context.version}, {"revision", context.revision}, {"build_type", context.buildType}}},
+            {"host", {{"os", context.os}, {"cpu", context.cpu}}},
+            {"devices", devices},
+            {"scene", sceneJson(context.sceneName, context.scene)},
+            {"settings", settingsJson(context)},
+            {"environment", environmentJson(context)},
+            {"warnings", figureWarnings(context, results)},
+            {"calibrations", calibrations},
+            {"noise_floor", floor ? Json(*floor) : Json(nullptr)},
+            {"self_test", context.bench.selfTest ? selfTestJson(results) : Json(nullptr)},
+            {"limits", limitsJson(results)},
+            {"cases", cases}};
+}
+
+}  // namespace skinbench

@@ -1,0 +1,73 @@
+// Results as data: the JSON of the result file, a CSV of the same rows, a table for a terminal, and one HTML page.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include <nlohmann/json_fwd.hpp>
+
+#include "common/measure/bench.h"
+#include "common/measure/device_state.h"
+
+namespace skinbench {
+
+inline constexpr const char* kResultsSchema = "skinbench-results/1";
+
+// How `--shape auto` chose the shape of a case: every shape that was tried, in milliseconds a frame.
+struct Calibration {
+    std::string chosen;  // the id of the case with its chosen shape
+    std::vector<std::pair<std::string, double>> tried;
+};
+
+// Where a run took place and what it was asked for.
+struct RunContext {
+    std::string version, revision, buildType;
+    std::string os, cpu;
+    std::vector<DeviceCaps> devices;  // those that were opened
+    std::string sceneName;
+    SceneStats scene;  // prepared with `influences`
+    WorkloadSettings workload;
+    BenchSettings bench;
+    std::vector<Calibration> calibrations;
+    std::map<Api, double> copyBandwidth;                 // bytes a second, by API that was opened
+    std::vector<std::vector<DeviceState>> deviceStates;  // when timing began and when it ended
+    double verifiedSeconds = 0, timedSeconds = 0;        // host time of the two parts of a run
+    std::vector<std::string> warnings;                   // that concern the figures
+};
+
+// What a reader of the figures must know: a debug build, clocks that moved by more than 2 % while cases were timed,
+// rounds that drifted by more than 1 %.
+std::vector<std::string> figureWarnings(const RunContext& context, const std::vector<CaseResult>& results);
+
+// The largest relative difference of the two medians of a case that BenchSettings::selfTest listed twice; cases that
+// the host skins are left out. Empty without such pairs.
+std::optional<double> noiseFloor(const std::vector<CaseResult>& results);
+
+// Version, revision and build type of this program, operating system and processor of this machine.
+RunContext hostContext();
+
+// Times in milliseconds, memory in bytes, position error relative, normal error in radians; fields that do not apply
+// are null.
+nlohmann::ordered_json resultsJson(const RunContext& context, const std::vector<CaseResult>& results);
+
+// The block "scene" of result and inspect files.
+nlohmann::ordered_json sceneJson(const std::string& name, const SceneStats& stats);
+
+nlohmann::ordered_json capsJson(const DeviceCaps& caps);
+
+// One line a case, the columns named in the first line; quoted as RFC 4180 says.
+std::string resultsCsv(const nlohmann::ordered_json& results);
+
+// Fixed-width lines for a terminal. Times of software drivers carry a mark that is explained below the table.
+std::string resultsTable(const nlohmann::ordered_json& results);
+
+// Reads a result file; the error says what is wrong with it.
+Result<nlohmann::ordered_json> loadResults(const std::string& path);
+
+// Whether the route of a case is carried by a software driver; both as loadResults gives them.
+bool isSoftware(const nlohmann::ordered_json& results, const nlohmann::ordered_json& row);
+
+// One self-contained page of one or more result files, which are in it as JSON; `names` of the files may be fewer.
+std::string reportHtml(const std::vector<nlohmann::ordered_json>& results, const std::vector<std::string>& names = {});
+
+}  // namespace skinbench

@@ -1,0 +1,43 @@
+#include <nlohmann/json.hpp>
+
+#include "common/report/report.h"
+
+namespace skinbench {
+
+// The page of common/report/page with its style, scripts and charts; CMake writes it.
+extern const char kReportPage[];
+
+using Json = nlohmann::ordered_json;
+
+static std::string replaced(const std::string& text, const std::string& what, const std::string& by) {
+    std::string result;
+    size_t from = 0;
+    for (size_t at = text.find(what); at != std::string::npos; at = text.find(what, from)) {
+        result += text.substr(from, at - from) + by;
+        from = at + what.size();
+    }
+    return result + text.substr(from);
+}
+
+static std::string attribute(const std::string& text) {
+    const std::string plain = replaced(replaced(text, "&", "&amp;"), "\"", "&quot;");
+    return replaced(replaced(plain, "<", "&lt;"), ">", "&gt;");
+}
+
+// JSON has '<' within strings only, and there it may be written as \u003c, so nothing ends the element early.
+static std::string resultsElement(const Json& results, const std::string& name) {
+    const std::string text = results.dump(-1, ' ', false, Json::error_handler_t::replace);
+    return "<script type=\"application/json\" class=\"results\" data-name=\"" + attribute(name) + "\">" +
+           replaced(text, "<", "\\u003c") + "</script>\n";
+}
+
+std::string reportHtml(const std::vector<Json>& results, const std::vector<std::string>& names) {
+    static const std::string page = kReportPage, place = "{{results}}";
+    std::string elements;
+    for (size_t i = 0; i < results.size(); ++i)
+        elements += resultsElement(results[i], i < names.size() ? names[i] : std::string());
+    const size_t at = page.find(place);
+    return page.substr(0, at) + elements + page.substr(at + place.size());
+}
+
+}  // namespace skinbench

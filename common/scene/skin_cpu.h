@@ -1,0 +1,52 @@
+// Linear blend skinning on the CPU: the reference that every variant is checked against, and the `cpu` variant.
+//
+//   p' = sum_i w_i * M_i * (p, 1)        n' = normalize(sum_i w_i * M3_i * n)
+//
+// Normals use the upper 3x3 of the blended matrix, not its inverse transpose, as both theses and nearly every engine
+// do: the two agree for rotations and uniform scales.
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "common/scene/pose.h"
+#include "common/scene/scene.h"
+
+namespace skinbench {
+
+struct SkinnedReference {
+    std::vector<glm::dvec3> positions;
+    std::vector<glm::dvec3> normals;
+};
+
+// Double precision throughout, from the float palette and the float vertices that the GPU reads too.
+SkinnedReference skinReference(const Mesh& mesh, const Palette& palette);
+
+// What a compute pass and the CPU write and a plain vertex shader reads: 32 bytes.
+struct SkinnedVertex {
+    glm::vec3 position{0};
+    float u = 0;
+    glm::vec3 normal{0};
+    float v = 0;
+};
+static_assert(sizeof(SkinnedVertex) == 32);
+
+// The `cpu` variant: single precision, `copies` copies that own their input and output memory, split over `threads`
+// threads. vertices[c], palettes[c] and out[c] belong to copy c; out[c] has one element a vertex.
+struct CpuSkinJob {
+    std::span<const Mesh> copies;
+    std::span<const Palette> palettes;  // one a copy
+    std::span<SkinnedVertex> out;       // copies * vertices
+};
+void skinOnCpu(const CpuSkinJob& job, unsigned threads);
+
+// Largest deviation from the reference. Position error is relative to `diagonal`; normal error is an angle in
+// radians. A value that is not finite counts as an infinite error.
+struct SkinError {
+    double position = 0;
+    double normal = 0;
+};
+SkinError compareSkinned(const SkinnedReference& reference, std::span<const SkinnedVertex> measured, double diagonal);
+
+}  // namespace skinbench

@@ -1,0 +1,15 @@
+// Tangents of a mesh that stores none.
+#pragma once
+
+#include <vector>
+
+#include "common/scene/scene.h"
+
+namespace skinbench {
+
+// One a vertex: xyz is the unit direction in which u grows, perpendicular to the normal (summed over the triangles
+// around the vertex, weighted by their area in space, then Gram-Schmidt); w is 1 or -1, so that
+// w * cross(normal, xyz) is the side on which v grows. Where the uvs span no area, xyz is any perpendicular and w is 1.
+std::vector<glm::vec4> vertexTangents(const Mesh& mesh);
+
+}  // namespace skinbench

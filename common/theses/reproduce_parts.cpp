@@ -1,0 +1,168 @@
+#include "common/theses/reproduce_parts.h"
+
+#include <algorithm>
+#include <format>
+#include <numeric>
+
+namespace skinbench {
+
+using Json = nlohmann::ordered_json;
+
+std::string wholeNumber(double value) { return std::format("{:.0f}", value); }
+std::string oneDigit(double value) { return std::format("{:.1f}", value); }
+std::string twoDigits(double value) { return std::format("{:.2f}", value); }
+std::string threeDigits(double value) { return std::format("{:.3f}", value); }
+std::string milliseconds(double value) { return std::format("{:.4g}", value); }
+std::string scientific(double value) { return std::format("{:.2e}", value); }
+std::string percentage(double fraction) { return std::format("{:.1f} %", fraction * 100); }
+
+Figure figureOf(double value, FormatNumber format) { return {format(value), Range{value, value}}; }
+
+Figure figureOf(const Range& range, FormatNumber format) {
+    if (range.low == range.high) return figureOf(range.low, format);
+    return {format(range.low) + " to " + format(range.high), range};
+}
+
+Figure wordFigure(std::string word) { return {std::move(word), {}}; }
+Figure notAvailable() { return wordFigure("not available"); }
+
+Figure ratioTo(double ours, const std::optional<Range>& published) {
+    if (!published || published->low <= 0) return {};
+    return figureOf(Range{ours / published->high, ours / published->low}, threeDigits);
+}
+
+Figure ratioTo(const Figure& ours, const std::optional<Range>& published) {
+    if (!ours.value || ours.software) return {};
+    return ratioTo(ours.value->low, published);
+}
+
+CaseKey with(CaseKey key, const CaseKey& more) {
+    for (const auto& [name, value] : more) key[name] = value;
+    return key;
+}
+
+static std::string valueOf(const Json& which, const std::string& name) {
+    for (const Json* group : {&which, which.contains("options") ? &which["options"] : nullptr})
+        if (group && group->contains(name) && (*group)[name].is_string()) return (*group)[name].get<std::string>();
+    return {};
+}
+
+const Json* findCase(const Json& results, const CaseKey& key) {
+    for (const Json& which : results["cases"])
+        if (std::ranges::all_of(key, [&](const auto& word) { return valueOf(which, word.first) == word.second; }))
+            return &which;
+    return nullptr;
+}
+
+std::vector<std::string> valuesOf(const Json& results, const std::string& key) {
+    std::vector<std::string> values;
+    for (const Json& which : results["cases"])
+        if (const std::string value = valueOf(which, key); std::ranges::find(values, value) == values.end())
+            values.push_back(value);
+    return values;
+}
+
+bool onSoftware(const Json& results, const std::string& route) {
+    const std::string api = route.starts_with("vk") ? "vulkan" : route.starts_with("gl") ? "opengl" : "";
+    return std::ranges::any_of(results["devices"], [&](const Json& device) {
+        return device.value("route_api", "") == api && device.value("software", false);
+    });
+}
+
+std::string plainRoute(const std::string& route) { return route.substr(0, route.find('-')); }
+
+std::optional<double> medianOf(const Json& which) {
+    if (which["gpu_ms"].is_null()) return {};
+    return which["gpu_ms"]["median"].get<double>();
+}
+
+static bool softwareCase(const Json& results, const Json& which) {
+    return onSoftware(results, which["route"].get<std::string>());
+}
+
+Figure markedSoftware(Figure figure) {
+    figure.software = true;
+    figure.text += "*";
+    return figure;
+}
+
+Figure timeRatio(const Json& results, const Json& which, const Json& base) {
+    const auto time = medianOf(which), baseTime = medianOf(base);
+    if (!time || !baseTime || *baseTime <= 0) return wordFigure("not measured");
+    const Figure ratio = figureOf(*time / *baseTime, threeDigits);
+    return softwareCase(results, which) || softwareCase(results, base) ? markedSoftware(ratio) : ratio;
+}
+
+static std::optional<Range> intervalOf(const Json& which) {
+    if (which["gpu_ms"].is_null() || !which["gpu_ms"].contains("interval")) return {};
+    const Json& interval = which["gpu_ms"]["interval"];
+    if (!interval.is_array() || interval.size() != 2 || !interval[0].is_number() || !interval[1].is_number()) return {};
+    return Range{interval[0].get<double>(), interval[1].get<double>()};
+}
+
+Figure ratioInterval(const Json& which, const Json& base) {
+    const auto own = intervalOf(which), other = intervalOf(base);
+    if (!own || !other || other->low <= 0) return {};
+    return figureOf(Range{own->low / other->high, own->high / other->low}, threeDigits);
+}
+
+std::vector<std::string> timeNotes(const std::vector<const ReproduceRun*>& runs) {
+    bool software = false, intervals = false;
+    std::map<std::pair<std::string, std::string>, size_t> left;  // route, reason -> cases
+    for (const ReproduceRun* run : runs)
+        for (const Json& which : run->results["cases"]) {
+            software = software || (medianOf(which) && softwareCase(run->results, which));
+            intervals = intervals || intervalOf(which);
+            if (which["status"] != "ok")
+                ++left[{which["route"].get<std::string>() + " " + which["status"].get<std::string>(),
+                        which["reason"].is_string() ? which["reason"].get<std::string>() : "no reason given"}];
+        }
+    std::vector<std::string> notes;
+    if (software)
+        notes.push_back(
+            "* software driver: shows that the path works, not how fast a GPU is, so no published time is compared "
+            "with it.");
+    if (intervals)
+        notes.push_back("Interval: the smallest and the largest ratio that the 95 % intervals of both medians allow.");
+    for (const auto& [what, cases] : left)
+        notes.push_back(std::format("{}: {} ({} case{})", what.first, what.second, cases, cases == 1 ? "" : "s"));
+    return notes;
+}
+
+std::vector<const ReproduceRun*> runsOf(const std::vector<ReproduceScene>& scenes) {
+    std::vector<const ReproduceRun*> runs;
+    for (const ReproduceScene& scene : scenes)
+        for (const ReproduceRun& run : scene.runs) runs.push_back(&run);
+    return runs;
+}
+
+const std::string& sceneOf(const ReproduceScene& scene) { return scene.inspection.scene; }
+
+const std::vector<const char*>& theses() {
+    static const std::vector<const char*> names = {"torabi", "kimmersdorfer"};
+    return names;
+}
+
+const CodecRow* codecRow(const ReproduceScene& scene, Geometry geometry, const Builder* builder,
+                         const std::string& codec) {
+    for (const CodecRow& row : scene.inspection.codecs)
+        if (row.geometry == geometry && row.builder == builder && row.codec->name == codec) return &row;
+    return nullptr;
+}
+
+uint64_t layoutBytes(const CodecRow& row, const char* layout) {
+    return row.descriptorBytes.at(layout) + row.dataBytes.at(layout);
+}
+
+std::vector<double> publishedBlend(const std::string& codec) {
+    std::vector<double> bytes;
+    for (const PublishedScene& scene : publishedKimmersdorfer().scenes)
+        if (const auto row = scene.blendBytes.find(codec); row != scene.blendBytes.end()) bytes.push_back(row->second);
+    return bytes;
+}
+
+double meanOf(const std::vector<double>& values) {
+    return values.empty() ? 0 : std::accumulate(values.begin(), values.end(), 0.0) / static_cast<double>(values.size());
+}
+
+}  // namespace skinbench

@@ -1,0 +1,248 @@
+// What the program draws and measures, as a user calls it: files, interrupts, missing drivers.
+#include <algorithm>
+#include <chrono>
+#include <csignal>
+#include <thread>
+
+#include <catch2/catch_test_macros.hpp>
+#include <catch2/matchers/catch_matchers_string.hpp>
+
+#include "common/core/file.h"
+#include "tests/apps/program_call.h"
+
+using namespace skinbench;
+using namespace program;
+using Catch::Matchers::ContainsSubstring;
+using fixture::json;
+namespace fs = std::filesystem;
+
+TEST_CASE("bench writes what it prints, and report makes a page of it") {
+    const Outcome bench = call({"bench", "builtin:robot:2000", "--copies", "2", "--frames", "2", "--rounds", "1",
+                                "--warmup", "0", "--size", "320x180", "--out", "run/deep", "--json"});
+    INFO(bench.err);
+    CHECK(bench.status == 0);
+    const json printed = json::parse(bench.out, nullptr, false);
+    REQUIRE(printed.is_object());
+    CHECK(readWholeFile(pathOf("run/deep/results.json")) == bench.out);
+    const auto csv = readWholeFile(pathOf("run/deep/results.csv"));
+    REQUIRE(csv);
+    CHECK(linesOf(*csv).size() == printed["cases"].size() + 1);
+    const auto page = readWholeFile(pathOf("run/deep/report.html"));
+    REQUIRE(page);
+    CHECK(printed["settings"]["copies"] == 2);
+    CHECK(printed["settings"]["warmup"] == 0);
+    for (const json& row : printed["cases"]) {
+        const std::string id = row["id"], status = row["status"];
+        INFO(id << ": " << row["reason"]);
+        CHECK(status != "failed");
+        CHECK(row["gpu_ms"].is_null() == (status != "ok"));
+        if (status == "ok") CHECK(row["gpu_ms"]["samples"].size() == 2);
+        CHECK_THAT(*page, ContainsSubstring(id));
+        CHECK_THAT(*csv, ContainsSubstring(id));
+    }
+    size_t files = 0;
+    for ([[maybe_unused]] const auto& entry : fs::directory_iterator(pathOf("run/deep"))) ++files;
+    CHECK(files == 3);
+
+    const Outcome report = call({"report", "run/deep/results.json", "run/deep/results.json", "-o", "r.html"});
+    CHECK(report.status == 0);
+    CHECK(report.err == "");
+    const auto made = readWholeFile(pathOf("r.html"));
+    REQUIRE(made);
+    CHECK(made->size() > page->size());
+    fixture::writeText("plain", "x");
+    checkRefused(call({"report", "run/deep/results.json", "-o", "plain/r.html"}), 2, "plain/r.html");
+
+    // Two samples a case tell nothing; a case that fails is worse.
+    const Words compare = {"compare", "run/deep/results.json", "run/deep/results.json"};
+    const Outcome same = call(compare);
+    CHECK(same.status == 0);
+    CHECK(same.err == "");
+    CHECK_THAT(same.out, ContainsSubstring("not told, fewer than 6 samples"));
+    CHECK(same.out.find("differs") == std::string::npos);
+    json broken = printed;
+    for (json& row : broken["cases"])
+        if (row["route"] == "cpu") row["status"] = "failed", row["reason"] = "wrong";
+    fixture::writeText("broken_cases.json", broken.dump());
+    const Outcome worse =
+        call({"compare", "run/deep/results.json", "broken_cases.json", "--fail-above", "5", "--json"});
+    CHECK(worse.status == 1);
+    CHECK(linesOf(worse.err).size() == 1);
+    CHECK_THAT(worse.err, ContainsSubstring("skinbench: 1 of ") && ContainsSubstring("is ok in A and failed in B"));
+    const json compared = json::parse(worse.out, nullptr, false);
+    REQUIRE(compared.is_object());
+    CHECK(compared["schema"] == "skinbench-compare/1");
+    CHECK(compared["cases"].size() == printed["cases"].size());
+    CHECK(call({"compare", "run/deep/results.json", "broken_cases.json"}).status == 0);
+    CHECK(call({"compare", "broken_cases.json", "run/deep/results.json", "--fail-above", "0"}).status == 0);
+
+    // Any key of the file may be missing or of another kind: an error or a page, never a crash.
+    size_t refused = 0;
+    for (const json::json_pointer& place :
+         {"/scene/vertices"_json_pointer, "/scene/mean_influences"_json_pointer, "/settings/frames"_json_pointer,
+          "/host/os"_json_pointer, "/tool"_json_pointer, "/cases/0/id"_json_pointer, "/cases/0/gpu_ms"_json_pointer,
+          "/cases/0/gpu_ms/median"_json_pointer, "/cases/0/route"_json_pointer, "/cases/0/passes_ms"_json_pointer,
+          "/cases/0/accuracy"_json_pointer, "/cases/0/memory_bytes/total"_json_pointer, "/devices"_json_pointer})
+        for (const json& value : {json(), json("text"), json(5), json::array({1}), json::object()}) {
+            json damaged = printed;
+            if (!damaged.contains(place)) continue;
+            damaged[place] = value;
+            fixture::writeText("damaged.json", damaged.dump());
+            const Outcome outcome = call({"report", "damaged.json", "-o", "d.html"});
+            INFO(place.to_string() << " = " << value.dump());
+            INFO(outcome.err);
+            CHECK((outcome.status == 0 || outcome.status == 2));
+            CHECK(outcome.out == "");
+            CHECK(linesOf(outcome.err).size() == (outcome.status ? 1 : 0));
+            refused += outcome.status == 2;
+        }
+    CHECK(refused > 20);
+}
+
+TEST_CASE("the self-test prepares its pairs anew in every round, a plain bench does not, unless it is told to") {
+    const auto placementOf = [](const Words& more) {
+        Words words = {"bench", "builtin:robot:2000", "--routes", "cpu", "--copies", "1",
+                       "--out", "placement",          "--json"};
+        words.insert(words.end(), more.begin(), more.end());
+        const json results = json::parse(call(words).out, nullptr, false);
+        REQUIRE(results.is_object());
+        return results["settings"]["placement"].get<std::string>();
+    };
+    CHECK(placementOf({}) == "kept");
+    CHECK(placementOf({"--self-test"}) == "fresh");
+    CHECK(placementOf({"--self-test", "--placement", "kept"}) == "kept");
+    CHECK(placementOf({"--placement", "fresh"}) == "fresh");
+}
+
+TEST_CASE("the same seed and scene give the same cases; lists are crossed") {
+    const Words words = {"verify", "builtin:robot:2000", "--routes", "cpu,vk",   "--variants", "cpu,none", "--codecs",
+                         "uc",     "--influences",       "4,8",      "--copies", "1",          "--size",   "64x64",
+                         "--json"};
+    const Outcome verified = call(words);
+    INFO(verified.err);
+    const json results = json::parse(verified.out, nullptr, false);
+    REQUIRE(results.is_object());
+    std::vector<std::string> ids;
+    for (const json& row : results["cases"]) ids.push_back(row["id"]);
+    const std::vector<std::string> wanted = {"vk/none/uc",
+                                             "vk/none/uc+pull",
+                                             "vk/none/uc+8-influences",
+                                             "vk/none/uc+8-influences+pull",
+                                             "cpu/cpu/uc",
+                                             "cpu/cpu/uc+8-influences",
+                                             "vk/cpu/uc",
+                                             "vk/cpu/uc+8-influences"};
+    CHECK(std::is_permutation(ids.begin(), ids.end(), wanted.begin(), wanted.end()));
+}
+
+TEST_CASE("an interrupted bench keeps what was measured") {
+    for (const int signal : {SIGINT, SIGTERM}) {
+        fs::remove_all(pathOf("cut"));
+        const Running running =
+            start({"bench", "builtin:robot:2000", "--routes", "cpu", "--influences", "4,8", "--copies", "4", "--frames",
+                   "100000", "--rounds", "1000", "--out", "cut", "--json"});
+        // The first case is timed at once; wait until a checkpoint holds a time.
+        bool timed = false;
+        for (int tries = 0; tries < 2000 && !timed; ++tries) {
+            std::this_thread::sleep_for(std::chrono::milliseconds(20));
+            const auto text = readWholeFile(pathOf("cut/results.json"));
+            timed = text && text->find("samples") != std::string::npos;
+        }
+        // Twice, as coreutils' timeout does.
+        kill(running.pid, signal);
+        std::this_thread::sleep_for(std::chrono::milliseconds(5));
+        kill(running.pid, signal);
+        const Outcome outcome = finish(running);
+        INFO(outcome.err);
+        CHECK(timed);
+        CHECK(outcome.status == 0);
+        CHECK_THAT(outcome.err, ContainsSubstring("skinbench: interrupted"));
+        CHECK(readWholeFile(pathOf("cut/results.json")) == outcome.out);
+        const json results = json::parse(outcome.out, nullptr, false);
+        REQUIRE(results.is_object());
+        CHECK(results["cases"].size() >= 2);
+        CHECK(fs::exists(pathOf("cut/report.html")));
+    }
+}
+
+TEST_CASE("a bench that is interrupted early says which cases were not measured") {
+    const Running running = start({"bench", "builtin:biped:60000", "--routes", "cpu", "--influences", "4,8", "--copies",
+                                   "8", "--frames", "400", "--rounds", "1", "--out", "early", "--json"});
+    bool verified = false;
+    for (int tries = 0; tries < 2000 && !verified; ++tries) {
+        std::this_thread::sleep_for(std::chrono::milliseconds(10));
+        const auto text = readWholeFile(pathOf("early/results.json"));
+        verified = text && text->find("\"status\": \"ok\"") != std::string::npos;
+    }
+    kill(running.pid, SIGINT);
+    const Outcome outcome = finish(running);
+    INFO(outcome.err);
+    CHECK(verified);
+    CHECK(outcome.status == 0);
+    const json results = json::parse(outcome.out, nullptr, false);
+    REQUIRE(results.is_object());
+    REQUIRE(results["cases"].size() == 2);
+    size_t interrupted = 0;
+    for (const json& row : results["cases"]) {
+        interrupted += row["reason"].is_string() && row["reason"].get<std::string>().starts_with("interrupted before");
+        CHECK(row["gpu_ms"].is_null() == (row["status"] == "skipped"));
+    }
+    CHECK(interrupted > 0);
+}
+
+TEST_CASE("without any driver the CPU route runs and the others say what is missing") {
+    const Words none = {"VK_DRIVER_FILES=/nonexistent",           "VK_ICD_FILENAMES=/nonexistent",
+                        "VK_ADD_DRIVER_FILES=/nonexistent",       "__EGL_VENDOR_LIBRARY_FILENAMES=/nonexistent",
+                        "__EGL_VENDOR_LIBRARY_DIRS=/nonexistent", "LIBGL_DRIVERS_PATH=/nonexistent"};
+    const Outcome bench = call(
+        {"bench", "builtin:robot:2000", "--preset", "quick", "--size", "64x64", "--out", "nodriver", "--json"}, none);
+    INFO(bench.err);
+    CHECK(bench.status == 0);
+    const json results = json::parse(bench.out, nullptr, false);
+    REQUIRE(results.is_object());
+    CHECK(results["devices"].empty());
+    size_t ran = 0;
+    for (const json& row : results["cases"]) {
+        const bool cpu = row["route"] == "cpu";
+        INFO(row["id"]);
+        CHECK(row["status"] == (cpu ? "ok" : "skipped"));
+        ran += cpu;
+        if (cpu) continue;
+        CHECK(row["reason"].get<std::string>().size() > 10);
+    }
+    CHECK(ran > 0);
+
+    const Outcome probe = call({"probe", "--json"}, none);
+    CHECK(probe.status == 0);
+    const json found = json::parse(probe.out, nullptr, false);
+    REQUIRE(found.is_object());
+    CHECK(found["auto"]["route"] == "cpu");
+    CHECK(found["missing"].size() == 2);
+    checkRefused(call({"render", "builtin:robot:2000", "--route", "vk", "-o", "n.png"}, none), 1, "Vulkan");
+    checkRefused(call({"render", "builtin:robot:2000", "--route", "gl", "-o", "n.png"}, none), 1, "EGL");
+    // The table with the reasons is printed all the same.
+    const Outcome nothing = call({"verify", "builtin:robot:2000", "--routes", "vk,gl"}, none);
+    CHECK(nothing.status == 1);
+    CHECK_THAT(nothing.err, ContainsSubstring("skinbench: no case could run; the first, vk/none/"));
+    CHECK_THAT(nothing.out, ContainsSubstring("skipped: OpenGL: "));
+    CHECK(nothing.err.find("Vulkan: Vulkan") == std::string::npos);
+    const Outcome automatic = call({"verify", "builtin:robot:2000", "--routes", "auto", "--copies", "1"}, none);
+    CHECK(automatic.status == 0);
+    CHECK_THAT(automatic.out, ContainsSubstring("cpu/cpu/uc"));
+}
+
+TEST_CASE("render writes a PNG file of the asked size") {
+    const Outcome probe = call({"probe", "--json"});
+    const json found = json::parse(probe.out, nullptr, false);
+    REQUIRE(found.is_object());
+    if (found["auto"]["route"] == "cpu") SKIP("no driver");
+    const Outcome drawn = call({"render", "builtin:robot:2000", "--size", "96x64", "-o", "shots/robot.png"});
+    INFO(drawn.err);
+    CHECK(drawn.status == 0);
+    CHECK(drawn.out == "");
+    const auto bytes = readWholeFile(pathOf("shots/robot.png"));
+    REQUIRE(bytes);
+    CHECK(bytes->substr(1, 3) == "PNG");
+    // Width and height of the IHDR chunk, big-endian.
+    CHECK(bytes->substr(16, 8) == std::string("\0\0\0\x60\0\0\0\x40", 8));
+}

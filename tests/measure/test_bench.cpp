@@ -1,0 +1,148 @@
+// The runner: order, rounds, checkpoints, interruption, and what happens to cases that cannot run.
+#include <catch2/catch_test_macros.hpp>
+
+#include "common/measure/bench.h"
+#include "tests/cases.h"
+
+using namespace skinbench;
+
+TEST_CASE("route cpu is verified and timed with no graphics API at all") {
+    Workload workload = tinyWorkload(3);
+    BenchSettings settings;
+    settings.frames = 7;
+    settings.rounds = 3;
+    const Backends none{{Api::vulkan, {nullptr, "no loader"}}};
+    auto results = runBench(workload, {makeCase("cpu", "cpu"), makeCase("vk", "vertex"), makeCase("gl", "vertex")},
+                            none, settings, {});
+    REQUIRE(results);
+    const CaseResult& cpu = results->at(0);
+    CHECK(cpu.status == CaseStatus::ok);
+    CHECK(cpu.total.size() == 7);
+    CHECK(cpu.passes.at("skin") == cpu.total);
+    CHECK(cpu.passes.size() == 1);
+    REQUIRE(cpu.accuracy);
+    CHECK(cpu.accuracy->error.position < 2e-6);
+    CHECK(cpu.accuracy->error.position > 0);
+    CHECK(results->at(1).status == CaseStatus::skipped);
+    CHECK(results->at(1).reason == "no loader");
+    CHECK(results->at(2).status == CaseStatus::skipped);
+    CHECK(results->at(2).reason == "not opened");
+}
+
+TEST_CASE("a backend that draws nothing fails every case and is never timed") {
+    Workload workload = tinyWorkload(2);
+    auto null = openNull(generousCaps(Api::vulkan));
+    std::vector<Case> cases;
+    for (const Case& which : everyCase())
+        if (which.route->api == Api::vulkan && which.view == View::shaded) cases.push_back(which);
+    const Backends backends{{Api::vulkan, {null.get(), {}}}};
+    auto results = runBench(workload, cases, backends, {}, {});
+    REQUIRE(results);
+    REQUIRE(results->size() == cases.size());
+    for (const CaseResult& result : *results) {
+        INFO(result.id);
+        CHECK(result.status == CaseStatus::failed);
+        CHECK(result.total.empty());
+        CHECK(!result.reason.empty());
+    }
+}
+
+TEST_CASE("rounds go on until the median is known well enough, or for kMostRounds, or until the time is up") {
+    Workload workload = tinyWorkload(1);
+    BenchSettings settings;
+    settings.frames = 4;
+    settings.rounds = 2;
+    settings.precision = 1e-12;
+    auto results = runBench(workload, {makeCase("cpu", "cpu")}, {}, settings, {});
+    REQUIRE(results);
+    CHECK(results->at(0).roundSizes == std::vector<size_t>(kMostRounds, 2));
+    CHECK(results->at(0).total.size() == kMostRounds * 2);
+
+    settings.timeLimit = 1e-9;
+    results = runBench(workload, {makeCase("cpu", "cpu")}, {}, settings, {});
+    REQUIRE(results);
+    CHECK(results->at(0).roundSizes == std::vector<size_t>{2, 2});
+
+    settings.timeLimit = 0;
+    settings.precision = 1e9;
+    results = runBench(workload, {makeCase("cpu", "cpu")}, {}, settings, {});
+    REQUIRE(results);
+    const CaseResult& result = results->at(0);
+    CHECK(result.roundSizes == std::vector<size_t>{2, 2});
+    REQUIRE(result.interval);
+    CHECK(result.interval->low <= summarise(result.total).median);
+    CHECK(result.interval->high >= summarise(result.total).median);
+}
+
+TEST_CASE("the self-test times every case twice under two names") {
+    Workload workload = tinyWorkload(1);
+    BenchSettings settings;
+    settings.frames = 6;
+    settings.selfTest = true;
+    auto results = runBench(workload, {makeCase("cpu", "cpu")}, {}, settings, {});
+    REQUIRE(results);
+    REQUIRE(results->size() == 2);
+    CHECK(results->at(0).id == "cpu/cpu/uc");
+    CHECK(results->at(1).id == "cpu/cpu/uc+again");
+    CHECK(results->at(1).isAgain);
+    for (const CaseResult& result : *results) {
+        CHECK(result.status == CaseStatus::ok);
+        CHECK(result.total.size() == 6);
+    }
+    CHECK(results->at(0).total != results->at(1).total);
+}
+
+TEST_CASE("checkpoints come after every case and round; stopping keeps what was measured") {
+    Workload workload = tinyWorkload(1);
+    BenchSettings settings;
+    settings.frames = 30;
+    settings.rounds = 5;
+    settings.warmup = 0;
+    Case eight = makeCase("cpu", "cpu");
+    eight.influences = 8;
+    int checkpoints = 0;
+    BenchEvents events;
+    events.checkpoint = [&](const std::vector<CaseResult>& results) -> Result<void> {
+        CHECK(results.size() == 2);
+        ++checkpoints;
+        return {};
+    };
+    // Two verifications, then the first round of both cases and no more.
+    events.stop = [&] { return checkpoints == 4; };
+    auto results = runBench(workload, {makeCase("cpu", "cpu"), eight}, {}, settings, events);
+    REQUIRE(results);
+    CHECK(checkpoints == 4);
+    for (const CaseResult& result : *results) {
+        CHECK(result.status == CaseStatus::ok);
+        CHECK(result.total.size() == 6);
+    }
+
+    checkpoints = 0;
+    events.stop = [&] { return checkpoints == 1; };
+    results = runBench(workload, {makeCase("cpu", "cpu"), eight}, {}, settings, events);
+    REQUIRE(results);
+    CHECK(results->at(0).reason == "interrupted before it was timed");
+    CHECK(results->at(1).reason == "interrupted before it was verified");
+    CHECK(results->at(1).status == CaseStatus::skipped);
+}
+
+TEST_CASE("a checkpoint that fails ends the run with its error") {
+    Workload workload = tinyWorkload(1);
+    BenchEvents events;
+    events.checkpoint = [](const std::vector<CaseResult>&) -> Result<void> { return inputError("disk full"); };
+    auto results = runBench(workload, {makeCase("cpu", "cpu")}, {}, {}, events);
+    REQUIRE(!results);
+    CHECK(results.error().text == "disk full");
+}
+
+TEST_CASE("raster modes of one case share its verification") {
+    Workload workload = tinyWorkload(2);
+    auto null = openNull(generousCaps(Api::vulkan));
+    Case plain = makeCase("vk", "vertex"), discard = plain;
+    discard.raster = RasterMode::discard;
+    const Backends backends{{Api::vulkan, {null.get(), {}}}};
+    auto results = runBench(workload, {plain, discard}, backends, {}, {});
+    REQUIRE(results);
+    CHECK(results->at(0).reason == results->at(1).reason);
+    CHECK(results->at(1).id.ends_with("+discard"));
+}

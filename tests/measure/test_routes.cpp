@@ -1,0 +1,447 @@
+// Every variant on every route that this machine's drivers offer: captured vertices against the CPU reference, images
+// across routes, under validation with no message allowed. Every model of the shared folder where it is there.
+#include <catch2/catch_test_macros.hpp>
+
+#include <algorithm>
+#include <filesystem>
+#include <set>
+
+#include "common/frame/image.h"
+#include "common/measure/bench.h"
+#include "tests/cases.h"
+#include "tests/codecs/codec_test.h"
+#include "tests/drivers.h"
+
+using namespace skinbench;
+
+namespace {
+
+// Verifies the cases and requires each to be right, or skipped because of the device.
+size_t requireVerified(Workload& workload, const std::vector<Case>& cases) {
+    BenchSettings settings;
+    settings.timed = false;
+    auto results = runBench(workload, cases, openedBackends(), settings, {});
+    REQUIRE(results);
+    size_t right = 0;
+    for (const CaseResult& result : *results) {
+        INFO(workload.stored.name << ": " << result.id << ": " << result.reason);
+        CHECK(result.status != CaseStatus::failed);
+        if (result.status == CaseStatus::skipped) {
+            const Backend* backend = openedBackends().at(result.which.route->api).backend;
+            const bool limits = result.reason.find("storage buffer") != std::string::npos;
+            const bool tuples = result.reason.find("joint tuples, the limit is") != std::string::npos;
+            CHECK((!backend || unsupported(result.which, backend->caps()) || limits || tuples));
+        }
+        right += result.status == CaseStatus::ok;
+    }
+    return right;
+}
+
+Workload modelWorkload(const std::string& name, uint32_t copies) {
+    auto scene = loadScene(name);
+    REQUIRE(scene);
+    WorkloadSettings settings;
+    settings.copies = copies;
+    settings.width = 480;
+    settings.height = 270;
+    auto workload = makeWorkload(std::move(*scene), testShaders(), settings);
+    REQUIRE(workload);
+    return std::move(*workload);
+}
+
+// One case of each variant on each route, default options; of one codec, or of all.
+std::vector<Case> plainCases(int influences, bool everyCodec = false) {
+    std::set<std::string> known;
+    std::vector<Case> cases;
+    for (Case which : everyCase()) {
+        Case plain;
+        plain.route = which.route;
+        plain.variant = which.variant;
+        plain.codec = which.codec;
+        plain.builder = findBuilder("meshopt");
+        plain.layout = which.layout ? findMeshletLayout("redirect") : nullptr;
+        if (!plain.layout) plain.builder = nullptr;
+        plain.influences = influences;
+        if (!feedsAttributes(*which.codec)) plain.fetch = which.fetch;
+        if ((everyCodec || feedsAttributes(*which.codec)) && known.insert(caseId(plain)).second) cases.push_back(plain);
+    }
+    return cases;
+}
+
+}  // namespace
+
+TEST_CASE("every case is right on every route, and the images agree") {
+    if (!anyDriver()) SKIP("no Vulkan and no OpenGL driver on this machine");
+    Workload workload = tinyWorkload(3);
+    std::vector<Case> cases;
+    std::set<std::string> known;
+    for (const Case& which : everyCase())
+        if (which.view == View::shaded && known.insert(caseId(which)).second) cases.push_back(which);
+    CHECK(requireVerified(workload, cases) > 200);
+}
+
+TEST_CASE("the built-in characters are right on every route") {
+    if (!anyDriver()) SKIP("no Vulkan and no OpenGL driver on this machine");
+    for (const BuiltinScene& builtin : builtinScenes()) {
+        Workload workload = modelWorkload(std::string("builtin:") + builtin.name + ":3000", 2);
+        CHECK(requireVerified(workload, plainCases(4, true)) > 5);
+    }
+}
+
+namespace {
+
+// Joints that all turn another way below a root that swings.
+Scene posedScene(const std::string& name, Mesh mesh) {
+    Scene scene;
+    scene.name = name;
+    uint16_t highest = 0;
+    for (const Influences& influences : mesh.influences)
+        for (uint16_t joint : influences.joints)
+            if (joint != kNoJoint) highest = std::max(highest, joint);
+    scene.mesh = std::move(mesh);
+    scene.parts.push_back({name, 0, static_cast<uint32_t>(scene.mesh.indices.size()), false});
+    scene.skeleton.nodes.push_back({"root"});
+    for (uint32_t joint = 0; joint <= highest; ++joint) {
+        Node node{"joint", 0};
+        const float half = 0.6f * std::sin(1.7f * static_cast<float>(joint));
+        node.rotation = {std::cos(half), joint % 2 ? std::sin(half) : 0, joint % 2 ? 0 : std::sin(half), 0};
+        scene.skeleton.nodes.push_back(node);
+        scene.skeleton.joints.push_back({joint + 1, glm::mat4(1)});
+    }
+    scene.clips.push_back({"swing",
+                           1,
+                           {{0,
+                             ChannelPath::rotation,
+                             Interpolation::linear,
+                             {0, 1},
+                             {{0, 0, 0, 1}, {0, std::sin(0.4f), 0, std::cos(0.4f)}}}}});
+    return scene;
+}
+
+}  // namespace
+
+TEST_CASE("degenerate meshes are right with every codec, as meshlets and as vertices") {
+    if (!anyDriver()) SKIP("no Vulkan and no OpenGL driver on this machine");
+    std::vector<Case> cases;
+    for (const Case& which : plainCases(4, true)) {
+        const bool mesh = which.route == findRoute("vk-ext") && which.variant == findVariant("mesh");
+        const bool vertex = which.route == findRoute("vk") && which.variant == findVariant("vertex");
+        if (mesh || vertex) cases.push_back(which);
+    }
+    auto meshes = test::degenerateMeshes();
+    meshes.emplace_back("every joint", test::everyJointMesh());
+    for (auto& [name, mesh] : meshes) {
+        INFO(name);
+        WorkloadSettings settings;
+        settings.copies = 2;
+        settings.width = 320;
+        settings.height = 180;
+        auto workload = makeWorkload(posedScene(name, std::move(mesh)), testShaders(), settings);
+        REQUIRE(workload);
+        // oss22 counts 1024 tuples.
+        const size_t fewer = name == "every joint" ? 2 : 0;
+        if (openedBackends().at(Api::vulkan).backend) CHECK(requireVerified(*workload, cases) + fewer == cases.size());
+    }
+}
+
+TEST_CASE("every shared model is right on every route") {
+    if (!anyDriver()) SKIP("no Vulkan and no OpenGL driver on this machine");
+    if (modelFiles().empty()) SKIP("no model folder: set SKINBENCH_MODELS to run this test");
+    size_t loaded = 0;
+    for (const std::string& file : modelFiles()) {
+        if (!loadScene(file)) continue;  // which files must load is tested in test_scene_gltf.cpp
+        ++loaded;
+        INFO(file);
+        Workload workload = modelWorkload(file, 2);
+        const bool eight = sceneStats(**sceneFor(workload, 8)).maxInfluences > 4;
+        std::vector<Case> cases = plainCases(4);
+        if (eight)
+            for (const Case& which : plainCases(8)) cases.push_back(which);
+        CHECK(requireVerified(workload, cases) > 5);
+    }
+    CHECK(loaded > 30);
+}
+
+TEST_CASE("the first copy stands at the top left, seen from its front, on both APIs") {
+    // Five copies fill a grid of more than one row whose last row is not full; what is covered must say so.
+    if (!anyDriver()) SKIP("no Vulkan and no OpenGL driver on this machine");
+    Workload workload = tinyWorkload(5);
+    for (const auto& [api, open] : openedBackends()) {
+        if (!open.backend) continue;
+        Case which;
+        which.route = findRoute(api == Api::vulkan ? "vk" : "gl");
+        which.variant = findVariant("vertex");
+        which.codec = findCodec("uc");
+        auto image = renderImage(workload, which, *open.backend);
+        REQUIRE(image);
+        auto covered = [&](uint32_t x0, uint32_t y0) {
+            size_t pixels = 0;
+            for (uint32_t y = y0; y < y0 + image->height / 2; ++y)
+                for (uint32_t x = x0; x < x0 + image->width / 2; ++x)
+                    pixels += image->rgba[(size_t{y} * image->width + x) * 4] != image->rgba[0];
+            return pixels;
+        };
+        INFO(which.route->name);
+        const size_t all = covered(0, 0) + covered(image->width / 2, 0) + covered(0, image->height / 2) +
+                           covered(image->width / 2, image->height / 2);
+        CHECK(all > 100);
+        // Back faces are culled: the character must still be there when they are not, with the same outline.
+        Case kept = which;
+        kept.keepBackFaces = true;
+        auto both = renderImage(workload, kept, *open.backend);
+        REQUIRE(both);
+        CHECK(compareImages(*image, *both, 2).fraction < 0.02);
+    }
+}
+
+TEST_CASE("culling in the mesh stage draws what the rasteriser's culling draws, and drops back faces") {
+    if (!anyDriver()) SKIP("no Vulkan and no OpenGL driver on this machine");
+    Workload workload = tinyWorkload(2);
+    // Half of the bar is gone, so its inside shows where nothing culls.
+    std::vector<uint32_t> half;
+    const std::vector<uint32_t>& indices = workload.stored.mesh.indices;
+    for (size_t i = 0; i < indices.size(); i += 3)
+        if (indices[i] % 8 >= 2 && indices[i] % 8 < 6) half.insert(half.end(), &indices[i], &indices[i] + 3);
+    workload.stored.mesh.indices = half;
+    workload.stored.parts.front().indexCount = static_cast<uint32_t>(half.size());
+    for (const char* name : {"vk-ext", "vk-nv", "gl-ext", "gl-nv"}) {
+        Case which;
+        which.route = findRoute(name);
+        which.variant = findVariant("mesh");
+        which.codec = findCodec("uc");
+        which.builder = findBuilder("meshopt");
+        which.layout = findMeshletLayout("redirect");
+        Backend* backend = openedBackends().at(which.route->api).backend;
+        if (!backend || unsupported(which, backend->caps())) continue;
+        auto draw = [&](Cull cull, Exchange exchange, uint32_t groupSize, bool keep) {
+            Case drawn = which;
+            drawn.cull = cull;
+            drawn.exchange = exchange;
+            drawn.groupSize = groupSize;
+            drawn.keepBackFaces = keep;
+            if (unsupported(drawn, backend->caps())) return Image{};
+            auto image = renderImage(workload, drawn, *backend);
+            if (!image) FAIL(image.error().text);
+            return *image;
+        };
+        INFO(name);
+        const Image culled = draw(Cull::off, Exchange::automatic, 32, false);
+        const Image kept = draw(Cull::off, Exchange::automatic, 32, true);
+        CHECK(compareImages(culled, kept, 2).fraction > 0.0007);
+        for (Cull cull : {Cull::compact, Cull::primitive, Cull::torabi})
+            for (Exchange exchange : {Exchange::shared, Exchange::shuffle})
+                for (uint32_t groupSize : {8u, 16u, 32u}) {
+                    const Image image = draw(cull, exchange, groupSize, true);
+                    if (image.rgba.empty()) continue;
+                    INFO(cullName(cull) << " " << exchangeName(exchange) << " " << groupSize);
+                    // Torabi's test loses triangles that are seen edge-on.
+                    CHECK(compareImages(culled, image, 0).fraction <= (cull == Cull::torabi ? 0.0005 : 0));
+                }
+    }
+}
+
+namespace {
+
+// Several rows, so that a far half exists, of even and odd copies.
+constexpr uint32_t kGridCopies = 60;
+
+std::vector<Case> computeCases(const char* codec = nullptr) {
+    std::set<std::string> known;
+    std::vector<Case> cases;
+    for (const Case& which : everyCase())
+        if (which.compute != ComputeOptions{} && which.view == View::shaded &&
+            (!codec || which.codec == findCodec(codec)) && known.insert(caseId(which)).second)
+            cases.push_back(which);
+    return cases;
+}
+
+Case computeCase(Api api, const ComputeOptions& options) {
+    Case which;
+    which.route = findRoute(api == Api::vulkan ? "vk" : "gl");
+    which.variant = findVariant("compute");
+    which.codec = findCodec("uc");
+    which.compute = options;
+    return which;
+}
+
+}  // namespace
+
+TEST_CASE("every option of compute is right on a grid with a far half") {
+    if (!anyDriver()) SKIP("no Vulkan and no OpenGL driver on this machine");
+    Workload workload = tinyWorkload(kGridCopies);
+    CHECK(requireVerified(workload, computeCases()) > 30);
+    if (modelFiles().empty()) return;
+    for (const char* name : {"CesiumMan", "Fox", "BrainStem"})
+        for (const std::string& file : modelFiles())
+            if (file.find(name) != std::string::npos) {
+                Workload model = modelWorkload(file, 7);
+                CHECK(requireVerified(model, computeCases("uc")) > 10);
+            }
+}
+
+TEST_CASE("half-rate skips odd copies of the far half in even frames, and no others") {
+    if (!anyDriver()) SKIP("no Vulkan and no OpenGL driver on this machine");
+    Workload workload = tinyWorkload(kGridCopies);
+    for (const auto& [api, open] : openedBackends())
+        for (Submission submission : {Submission::perCopy, Submission::batched})
+            for (uint32_t number : {0u, 1u}) {
+                if (!open.backend) continue;
+                Case which = computeCase(api, {.halfRate = true});
+                which.submission = submission;
+                auto input = planInput(workload, which);
+                REQUIRE(input);
+                auto plan = makePlan(which, *input, open.backend->caps());
+                REQUIRE(plan);
+                auto id = open.backend->prepare(*plan);
+                REQUIRE(id);
+                auto frame = makeFrame(workload, 4, number);
+                REQUIRE(frame);
+                const std::vector<FrameInput> frames{{frame->constants, std::as_bytes(std::span(frame->palettes)), {}}};
+                REQUIRE(open.backend->run(*id, frames));
+                auto bytes = open.backend->readStream(*id, SLOT_SKINNED);
+                REQUIRE(bytes);
+                open.backend->release(*id);
+                const auto columns = static_cast<uint32_t>(frame->constants.grid.x);
+                const uint32_t rows = (kGridCopies + columns - 1) / columns;
+                REQUIRE(rows > 2);
+                const size_t size = bytes->size() / kGridCopies;
+                uint32_t skipped = 0;
+                for (uint32_t copy = 0; copy < kGridCopies; ++copy) {
+                    const auto part = std::span(*bytes).subspan(copy * size, size);
+                    const bool untouched = std::ranges::all_of(part, [](std::byte b) { return b == std::byte{0}; });
+                    const bool far = copy >= (rows + 1) / 2 * columns;
+                    INFO(caseId(which) << " frame " << number << " copy " << copy);
+                    CHECK(untouched == (far && copy % 2 != number));
+                    skipped += untouched;
+                }
+                CHECK(skipped > kGridCopies / 8);
+            }
+}
+
+TEST_CASE("the resolution view shows a grid where there is one, alike on every route") {
+    if (!anyDriver()) SKIP("no Vulkan and no OpenGL driver on this machine");
+    Workload workload = tinyWorkload(1);
+    std::map<std::string, Image> first;  // by codec
+    for (const char* name : {"vk", "gl", "vk-ext", "gl-ext"}) {
+        Case which;
+        which.route = findRoute(name);
+        const bool mesh = which.route->dialect != MeshDialect::none;
+        which.variant = findVariant(mesh ? "mesh" : "vertex");
+        which.builder = mesh ? findBuilder("meshopt") : nullptr;
+        which.layout = mesh ? findMeshletLayout("redirect") : nullptr;
+        which.view = View::resolution;
+        Backend* backend = openedBackends().at(which.route->api).backend;
+        for (const char* codec : {"uc", "pc"}) {
+            which.codec = findCodec(codec);
+            which.fetch = VertexFetch::pull;
+            if (!backend || unsupported(which, backend->caps())) continue;
+            auto image = renderImage(workload, which, *backend);
+            REQUIRE(image);
+            INFO(name << " " << codec);
+            // Grey has no hue; light and background have little.
+            size_t coloured = 0;
+            for (size_t i = 0; i < image->rgba.size(); i += 4) {
+                const auto [low, high] = std::minmax({image->rgba[i], image->rgba[i + 1], image->rgba[i + 2]});
+                coloured += high - low > 40;
+            }
+            INFO(coloured << " coloured pixels");
+            CHECK((coloured > 100) == (codec == std::string("pc")));
+            const auto [other, isFirst] = first.try_emplace(codec, *image);
+            if (!isFirst) CHECK(compareImages(other->second, *image, 24).fraction < 0.01);
+        }
+    }
+}
+
+TEST_CASE("the velocity view tells what moves from what rests") {
+    if (!anyDriver()) SKIP("no Vulkan and no OpenGL driver on this machine");
+    for (const auto& [api, open] : openedBackends())
+        for (bool packed : {false, true}) {
+            if (!open.backend) continue;
+            Case which = computeCase(api, {.previous = true, .packed = packed});
+            which.view = View::velocity;
+            auto yellow = [&](bool animated) {
+                Workload workload = tinyWorkload(1);
+                workload.settings.animated = animated;
+                auto image = renderImage(workload, which, *open.backend);
+                REQUIRE(image);
+                size_t pixels = 0;
+                for (size_t i = 0; i < image->rgba.size(); i += 4) pixels += image->rgba[i] > image->rgba[i + 2] + 10;
+                return pixels;
+            };
+            INFO(caseId(which));
+            CHECK(yellow(false) == 0);
+            CHECK(yellow(true) > 20);
+        }
+}
+
+TEST_CASE("a fault in any option of compute is found") {
+    if (!anyDriver()) SKIP("no Vulkan and no OpenGL driver on this machine");
+    struct Fault {
+        ComputeOptions options;
+        const char *file, *right, *wrong, *reason;
+    };
+    const std::vector<Fault> faults = {
+        {{.staged = true}, "compute.glsl", "STAGED_JOINTS * 3); row", "STAGED_JOINTS * 2); row", "positions"},
+        {{.previous = true},
+         "skinned.glsl",
+         "vec4(skinnedVertices[place].positionU.xyz",
+         "vec4(position",
+         "previous positions"},
+        {{.tangents = true}, "compute.glsl", "turned(blend, tangent.xyz)", "tangent.xyz", "tangents"},
+        {{.tangents = true}, "compute.glsl", "tangent.w);", "-tangent.w);", "tangents"},
+        {{.earlyExit = true}, "compute.glsl", "whole = 1.0 -", "whole = 0.5 -", "positions"},
+        {{.packed = true}, "octahedral.glsl", "n.z < 0.0 ? fold", "n.z < -2.0 ? fold", "normals"},
+        {{.halfRate = true}, "compute.glsl", "% 2u != 0u", "% 2u != 2u", "positions"},
+    };
+    BenchSettings settings;
+    settings.timed = false;
+    for (const Fault& fault : faults) {
+        Workload workload = tinyWorkload(kGridCopies);
+        std::string& text = workload.shaders.files[fault.file];
+        INFO(fault.right);
+        REQUIRE(text.find(fault.right) != std::string::npos);
+        text.replace(text.find(fault.right), std::string(fault.right).size(), fault.wrong);
+        std::vector<Case> cases;
+        for (Api api : {Api::vulkan, Api::opengl}) cases.push_back(computeCase(api, fault.options));
+        auto results = runBench(workload, cases, openedBackends(), settings, {});
+        REQUIRE(results);
+        for (const CaseResult& result : *results) {
+            if (result.status == CaseStatus::skipped) continue;
+            INFO(result.id << ": " << result.reason);
+            CHECK(result.status == CaseStatus::failed);
+            CHECK(result.reason.find(std::string(fault.reason) + " are off by") == 0);
+        }
+    }
+}
+
+TEST_CASE("a wrong palette, a wrong tolerance and a foreign image are found") {
+    // The verification itself must be able to fail.
+    if (!anyDriver()) SKIP("no Vulkan and no OpenGL driver on this machine");
+    Workload workload = tinyWorkload(2);
+    BenchSettings settings;
+    settings.timed = false;
+    settings.tolerance = 1e-12;
+    auto results = runBench(workload, plainCases(4), openedBackends(), settings, {});
+    REQUIRE(results);
+    for (const CaseResult& result : *results)
+        if (result.status != CaseStatus::skipped && result.which.variant->skins) {
+            CHECK(result.status == CaseStatus::failed);
+            CHECK(result.reason.find("positions are off by") == 0);
+        }
+
+    // A shader that forgets one influence.
+    Workload broken = tinyWorkload(2);
+    std::string& skin = broken.shaders.files["skin.glsl"];
+    const std::string line = "    addInfluence(blend, rows.w, weights.w);\n";
+    REQUIRE(skin.find(line) != std::string::npos);
+    skin.erase(skin.find(line), line.size());
+    settings.tolerance = 2e-6;
+    results = runBench(broken, plainCases(4), openedBackends(), settings, {});
+    REQUIRE(results);
+    for (const CaseResult& result : *results)
+        if (result.status != CaseStatus::skipped && result.which.variant->skins &&
+            result.which.variant != findVariant("cpu")) {
+            INFO(result.id);
+            CHECK(result.status == CaseStatus::failed);
+        }
+}

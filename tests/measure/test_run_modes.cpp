@@ -1,0 +1,248 @@
+// What is measured beside the cases: limits, counters, overlapped passes, bandwidth.
+#include <catch2/catch_test_macros.hpp>
+
+#include <algorithm>
+#include <chrono>
+#include <numeric>
+
+#include "common/frame/image.h"
+#include "common/measure/peaks.h"
+#include "tests/cases.h"
+#include "tests/drivers.h"
+
+using namespace skinbench;
+
+namespace {
+
+constexpr uint32_t kCopies = 3;
+
+// Those that this machine's drivers run.
+std::vector<Case> offered(std::initializer_list<Case> cases) {
+    std::vector<Case> there;
+    for (const Case& which : cases) {
+        const Backend* backend = openedBackends().at(which.route->api).backend;
+        if (backend && !unsupported(which, backend->caps())) there.push_back(which);
+    }
+    return there;
+}
+
+BenchSettings fewFrames() {
+    BenchSettings settings;
+    settings.frames = 4;
+    settings.rounds = 2;
+    return settings;
+}
+
+struct Drawn {
+    Image timed, overlapped;
+    std::vector<Timing> overlap;
+};
+
+Drawn drawBothWays(Workload& workload, const Case& which, Backend& backend) {
+    auto input = planInput(workload, which);
+    REQUIRE(input);
+    auto plan = makePlan(which, *input, backend.caps());
+    REQUIRE(plan);
+    auto id = backend.prepare(*plan);
+    REQUIRE(id);
+    auto frame = makeFrame(workload, which.influences, 0);
+    REQUIRE(frame);
+    const std::vector<FrameInput> inputs(2, {frame->constants, std::as_bytes(std::span(frame->palettes)), {}});
+    Drawn drawn;
+    REQUIRE(backend.run(*id, inputs));
+    drawn.timed = *backend.readImage(*id);
+    auto overlap = backend.run(*id, inputs, RunMode::overlap);
+    REQUIRE(overlap);
+    drawn.overlap = *overlap;
+    drawn.overlapped = *backend.readImage(*id);
+    backend.release(*id);
+    return drawn;
+}
+
+// Counts what is prepared on another backend.
+struct CountingBackend final : Backend {
+    explicit CountingBackend(Backend& inner) : inner(inner) {}
+    const DeviceCaps& caps() const override { return inner.caps(); }
+    Result<PlanId> prepare(const FramePlan& plan) override { return ++prepared, inner.prepare(plan); }
+    Result<std::vector<Timing>> run(PlanId id, std::span<const FrameInput> frames, RunMode mode) override {
+        return inner.run(id, frames, mode);
+    }
+    Result<Image> readImage(PlanId id) override { return inner.readImage(id); }
+    Result<std::vector<std::byte>> readStream(PlanId id, uint32_t slot) override { return inner.readStream(id, slot); }
+    void release(PlanId id) override {
+        ++released;
+        inner.release(id);
+    }
+    std::vector<std::string> takeMessages() override { return inner.takeMessages(); }
+
+    Backend& inner;
+    size_t prepared = 0, released = 0;
+};
+
+}  // namespace
+
+TEST_CASE("cases keep their memory between rounds, or each round prepares them anew") {
+    if (!anyDriver()) SKIP("no Vulkan and no OpenGL driver on this machine");
+    for (const Case& which : offered({makeCase("vk", "vertex"), makeCase("gl", "compute")}))
+        for (bool fresh : {false, true}) {
+            Workload workload = tinyWorkload(kCopies);
+            CountingBackend counting(*openedBackends().at(which.route->api).backend);
+            BenchSettings settings = fewFrames();
+            settings.freshPlacement = fresh;
+            auto results = runBench(workload, {which}, {{which.route->api, {&counting, {}}}}, settings, {});
+            REQUIRE(results);
+            INFO(results->at(0).id << ": " << results->at(0).reason);
+            CHECK(results->at(0).status == CaseStatus::ok);
+            CHECK(results->at(0).roundSizes == std::vector<size_t>{2, 2});
+            CHECK(counting.prepared == (fresh ? 3 : 2));  // once to verify
+            CHECK(counting.released == counting.prepared);
+        }
+}
+
+TEST_CASE("limits are verified and timed beside the cases, each once") {
+    if (!anyDriver()) SKIP("no Vulkan and no OpenGL driver on this machine");
+    Workload workload = tinyWorkload(kCopies);
+    Case discard = makeCase("vk", "vertex");
+    discard.raster = RasterMode::discard;
+    Case prepass = makeCase("vk", "vertex");
+    prepass.scenario = Scenario::prepass;
+    const std::vector<Case> cases =
+        offered({makeCase("vk", "vertex"), makeCase("vk", "compute"), discard, prepass, makeCase("gl", "vertex"),
+                 makeCase("vk-ext", "mesh"), makeCase("vk-ext", "mesh-ci"), makeCase("gl-ext", "mesh")});
+    BenchSettings settings = fewFrames();
+    settings.limits = true;
+    auto results = runBench(workload, cases, openedBackends(), settings, {});
+    REQUIRE(results);
+    std::vector<std::string> limits;
+    for (const CaseResult& result : *results) {
+        INFO(result.id << ": " << result.reason);
+        CHECK(result.status == CaseStatus::ok);
+        CHECK(result.total.size() == 4);
+        if (result.isLimit) {
+            CHECK(std::ranges::find(limits, result.id) == limits.end());
+            limits.push_back(result.id);
+            CHECK(result.memory->vertex == 0);
+        }
+    }
+    for (const CaseResult& result : *results) {
+        if (result.isLimit) continue;
+        INFO(result.id);
+        const bool expected = result.which.scenario == Scenario::direct;
+        CHECK(expected == (std::ranges::find(limits, result.limitId) != limits.end()));
+    }
+}
+
+TEST_CASE("the timestamps of a software driver enclose the work, not its queue") {
+    if (!anyDriver()) SKIP("no Vulkan and no OpenGL driver on this machine");
+    auto scene = loadScene("builtin:biped:20000");
+    REQUIRE(scene);
+    WorkloadSettings settings;
+    settings.width = 320;
+    settings.height = 180;
+    auto workload = makeWorkload(std::move(*scene), testShaders(), settings);
+    REQUIRE(workload);
+    for (const Case& which :
+         offered({makeCase("vk", "vertex"), makeCase("vk", "compute"), makeCase("vk-ext", "mesh"),
+                  makeCase("gl", "vertex"), makeCase("gl", "compute"), makeCase("gl-ext", "mesh")})) {
+        Backend& backend = *openedBackends().at(which.route->api).backend;
+        if (!backend.caps().software) continue;
+        auto input = planInput(*workload, which);
+        REQUIRE(input);
+        auto plan = makePlan(which, *input, backend.caps());
+        REQUIRE(plan);
+        auto id = backend.prepare(*plan);
+        REQUIRE(id);
+        auto frame = makeFrame(*workload, which.influences, 0);
+        REQUIRE(frame);
+        const std::vector<FrameInput> inputs(8, {frame->constants, std::as_bytes(std::span(frame->palettes)), {}});
+        for (RunMode mode : {RunMode::timed, RunMode::overlap}) {
+            REQUIRE(backend.run(*id, inputs, mode));  // compiles what a driver compiles late
+            const auto start = std::chrono::steady_clock::now();
+            auto timings = backend.run(*id, inputs, mode);
+            const std::chrono::duration<double, std::milli> wall = std::chrono::steady_clock::now() - start;
+            REQUIRE(timings);
+            double timed = 0;
+            for (const Timing& timing : *timings)
+                timed = std::accumulate(timing.passes.begin(), timing.passes.end(), timed);
+            INFO(caseId(which) << ": " << timed << " of " << wall.count() << " ms");
+            CHECK(timed > 0.4 * wall.count());
+            CHECK(timed < wall.count());
+        }
+        backend.release(*id);
+    }
+}
+
+TEST_CASE("counters agree with what the plan draws") {
+    if (!anyDriver()) SKIP("no Vulkan and no OpenGL driver on this machine");
+    Workload workload = tinyWorkload(kCopies);
+    const std::vector<Case> cases =
+        offered({makeCase("vk", "vertex"), makeCase("gl", "vertex"), makeCase("vk", "compute"),
+                 makeCase("gl", "compute"), makeCase("vk-ext", "mesh")});
+    auto results = runBench(workload, cases, openedBackends(), fewFrames(), {});
+    REQUIRE(results);
+    size_t counted = 0;
+    for (const CaseResult& result : *results) {
+        INFO(result.id << ": " << result.reason);
+        REQUIRE(result.status == CaseStatus::ok);
+        const DeviceCaps& caps = openedBackends().at(result.which.route->api).backend->caps();
+        CHECK(result.counters.has_value() == caps.pipelineStatistics);
+        if (!result.counters) continue;
+        const Mesh& mesh = workload.prepared.at(4)->mesh;
+        const uint64_t triangles = mesh.indices.size() / 3 * kCopies;
+        const Counters& c = *result.counters;
+        if (result.which.builder) {
+            CHECK_FALSE(c.inputVertices);
+            CHECK_FALSE(c.vertexInvocations);
+            CHECK(c.meshPrimitives.has_value() == caps.meshCounters);
+            if (c.meshPrimitives) CHECK(*c.meshPrimitives == triangles);
+            if (c.meshInvocations) CHECK(*c.meshInvocations >= uint64_t{result.meshlets} * kCopies);
+        } else {
+            REQUIRE(c.inputPrimitives);
+            CHECK(*c.inputPrimitives == triangles);
+            CHECK(*c.inputVertices == triangles * 3);
+            CHECK(*c.vertexInvocations >= mesh.positions.size() * kCopies / 2);
+            CHECK_FALSE(c.meshPrimitives);
+        }
+        CHECK(c.computeInvocations.has_value() == (result.which.variant == findVariant("compute")));
+        if (c.computeInvocations) CHECK(*c.computeInvocations >= mesh.positions.size() * kCopies);
+        CHECK(c.fragmentInvocations.value_or(0) > 0);
+        ++counted;
+    }
+    if (counted == 0) SKIP("no driver here counts");
+}
+
+TEST_CASE("passes that overlap draw the same image, and are timed as one") {
+    if (!anyDriver()) SKIP("no Vulkan and no OpenGL driver on this machine");
+    Workload workload = tinyWorkload(kCopies);
+    Case prepassVk = makeCase("vk", "compute"), prepassGl = makeCase("gl", "vertex"),
+         prepassMesh = makeCase("vk-ext", "mesh");
+    for (Case* which : {&prepassVk, &prepassGl, &prepassMesh}) which->scenario = Scenario::prepass;
+    const std::vector<Case> cases =
+        offered({makeCase("vk", "compute"), makeCase("gl", "compute"), prepassVk, prepassGl, prepassMesh});
+    for (const Case& which : cases) {
+        INFO(caseId(which));
+        Backend& backend = *openedBackends().at(which.route->api).backend;
+        const Drawn drawn = drawBothWays(workload, which, backend);
+        CHECK(compareImages(drawn.timed, drawn.overlapped, 0).fraction == 0);
+        for (const Timing& timing : drawn.overlap) CHECK(timing.passes.size() == 1);
+        CHECK(backend.takeMessages().empty());
+    }
+    auto results = runBench(workload, cases, openedBackends(), fewFrames(), {});
+    REQUIRE(results);
+    for (const CaseResult& result : *results) {
+        INFO(result.id << ": " << result.reason);
+        CHECK(result.overlapped.size() == result.total.size());
+    }
+}
+
+TEST_CASE("the copy bandwidth of a device is measured") {
+    if (!anyDriver()) SKIP("no Vulkan and no OpenGL driver on this machine");
+    for (const auto& [api, open] : openedBackends()) {
+        if (!open.backend) continue;
+        auto bandwidth = measureCopyBandwidth(*open.backend, testShaders());
+        INFO((bandwidth ? "" : bandwidth.error().text));
+        REQUIRE(bandwidth);
+        CHECK(*bandwidth > 1e6);
+        CHECK(open.backend->takeMessages().empty());
+    }
+}

@@ -1,0 +1,523 @@
+// The plans: draws, buffers, limits. No driver takes part.
+#include <algorithm>
+#include <cstring>
+#include <format>
+#include <set>
+
+#include <catch2/catch_test_macros.hpp>
+#include <catch2/matchers/catch_matchers_string.hpp>
+
+#include "common/plans/plans.h"
+#include "common/scene/skin_cpu.h"
+#include "tests/cases.h"
+
+using namespace skinbench;
+using Catch::Matchers::ContainsSubstring;
+
+namespace {
+
+FramePlan planOf(Workload& workload, const Case& which, const DeviceCaps& caps, bool capture = false) {
+    auto input = planInput(workload, which);
+    REQUIRE(input);
+    input->capture = capture;
+    auto plan = makePlan(which, *input, caps);
+    if (!plan) FAIL(plan.error().text);
+    return std::move(*plan);
+}
+
+const Pass& passOf(const FramePlan& plan, std::string_view label) {
+    auto pass = std::ranges::find(plan.passes, label, &Pass::label);
+    REQUIRE(pass != plan.passes.end());
+    return *pass;
+}
+
+const Stream* streamOf(const FramePlan& plan, uint32_t slot) {
+    auto stream = std::ranges::find(plan.streams, slot, &Stream::slot);
+    return stream == plan.streams.end() ? nullptr : &*stream;
+}
+
+std::set<uint32_t> slotsOf(const FramePlan& plan) {
+    std::set<uint32_t> slots;
+    for (const Stream& stream : plan.streams) CHECK(slots.insert(stream.slot).second);
+    return slots;
+}
+
+// Every (copy, group) pair that the draws of a pass start; fails when one is started twice.
+std::set<std::pair<uint32_t, uint32_t>> groupsOf(const Pass& pass) {
+    std::set<std::pair<uint32_t, uint32_t>> groups;
+    for (const Draw& draw : pass.draws)
+        for (uint32_t group = 0; group < draw.count; ++group)
+            if (!groups.emplace(draw.constants[0], draw.constants[1] + group).second) FAIL("a group is started twice");
+    return groups;
+}
+
+std::set<std::pair<uint32_t, uint32_t>> grid(uint32_t copies, uint32_t groups) {
+    std::set<std::pair<uint32_t, uint32_t>> all;
+    for (uint32_t copy = 0; copy < copies; ++copy)
+        for (uint32_t group = 0; group < groups; ++group) all.emplace(copy, group);
+    return all;
+}
+
+}  // namespace
+
+TEST_CASE("a pre-pass lays down depth, keeps the skinned vertices, and draws where the depth is equal") {
+    Workload workload = tinyWorkload(2);
+    for (const char* words : {"vk vertex", "gl compute", "vk-ext mesh", "gl-nv mesh-ci"}) {
+        const std::string text(words);
+        Case which = makeCase(text.substr(0, text.find(' ')).c_str(), text.substr(text.find(' ') + 1).c_str());
+        which.scenario = Scenario::prepass;
+        INFO(words);
+        const bool mesh = which.builder != nullptr;
+        for (bool differs : {false, true}) {
+            DeviceCaps caps = generousCaps(which.route->api);
+            caps.meshDepthDiffers = differs;
+            const FramePlan plan = planOf(workload, which, caps);
+            const Pass &depth = passOf(plan, "depth"), &draw = passOf(plan, "draw");
+            CHECK(plan.passes.size() == (which.variant == findVariant("compute") ? 3 : 2));
+            CHECK(!depth.writeColor);
+            CHECK(depth.depth == DepthTest::lessWrite);
+            CHECK(depth.clear);
+            CHECK(plan.programs[depth.program].stages.size() == 1);
+            CHECK(draw.depth == DepthTest::equalKeep);
+            CHECK(!draw.clear);
+            CHECK(draw.kind == (mesh && differs ? PassKind::drawMesh : PassKind::drawIndexed));
+            CHECK(streamOf(plan, SLOT_SKINNED)->gpuBytes % sizeof(SkinnedVertex) == 0);
+        }
+    }
+}
+
+TEST_CASE("uniform palettes are blocks that draws point into") {
+    Workload workload = tinyWorkload(3);
+    Case mesh = makeCase("vk-ext", "mesh");
+    mesh.shape.uniformPalette = true;
+    Case palette = makeCase("vk", "palette");
+    palette.paletteSlots = 9;
+    for (const Case& which : {mesh, palette}) {
+        INFO(caseId(which));
+        const FramePlan plan = planOf(workload, which, generousCaps(which.route->api));
+        const auto input = planInput(workload, which);
+        const auto blocks = paletteBlocks(which, *input);
+        REQUIRE(blocks);
+        CHECK(plan.paletteRange == blocks->size * sizeof(PaletteEntry));
+        CHECK(plan.paletteBytes == blocks->stride() * (blocks->joints.size() / blocks->size) * 3);
+        std::set<uint64_t> offsets;
+        for (const Draw& draw : passOf(plan, "draw").draws) {
+            CHECK(draw.paletteOffset % kPaletteAlignment == 0);
+            CHECK(draw.paletteOffset + plan.paletteRange <= plan.paletteBytes);
+            offsets.insert(draw.paletteOffset);
+        }
+        CHECK(offsets.size() == 3 * (blocks->joints.size() / blocks->size));
+        const FrameData frame = *makeFrame(workload, 4, 0);
+        const std::vector<std::byte> bytes = blockedPalettes(frame, 3, *blocks);
+        REQUIRE(bytes.size() == plan.paletteBytes);
+        for (size_t i = 0; i < blocks->joints.size(); ++i) {
+            if (blocks->joints[i] == kNoJoint) continue;
+            const size_t at = i / blocks->size * blocks->stride() + i % blocks->size * sizeof(PaletteEntry);
+            CHECK(std::memcmp(&bytes[at], &frame.palettes[blocks->joints[i]], sizeof(PaletteEntry)) == 0);
+        }
+    }
+    DeviceCaps small = generousCaps(Api::vulkan);
+    small.maxUniformBytes = 12 * sizeof(PaletteEntry) - 1;
+    const auto refused = makePlan(mesh, *planInput(workload, mesh), small);
+    REQUIRE(!refused);
+    CHECK_THAT(refused.error().text, ContainsSubstring("needs a uniform block of 576 bytes for 12 joints"));
+}
+
+TEST_CASE("indexed draws: one a copy, or one for all with shifted indices") {
+    Workload workload = tinyWorkload(3);
+    for (const char* variant : {"none", "vertex", "compute", "cpu"}) {
+        Case which = makeCase("vk", variant);
+        INFO(variant);
+        auto scene = sceneFor(workload, 4);
+        REQUIRE(scene);
+        const Mesh& mesh = (*scene)->mesh;
+        const auto vertices = static_cast<uint32_t>(mesh.positions.size());
+        const auto indices = static_cast<uint32_t>(mesh.indices.size());
+
+        const FramePlan perCopy = planOf(workload, which, generousCaps(Api::vulkan));
+        const Pass draw = passOf(perCopy, "draw");
+        CHECK(draw.kind == PassKind::drawIndexed);
+        REQUIRE(draw.draws.size() == 3);
+        for (uint32_t copy = 0; copy < 3; ++copy) {
+            CHECK(draw.draws[copy].count == indices);
+            CHECK(draw.draws[copy].firstIndex == copy * indices);
+            CHECK(draw.draws[copy].baseVertex == static_cast<int32_t>(copy * vertices));
+            CHECK(draw.draws[copy].constants == std::array<uint32_t, 4>{copy, 0, 0, 0});
+        }
+        CHECK(streamOf(perCopy, SLOT_INDEX)->replicas == 3);
+        CHECK(streamOf(perCopy, SLOT_INDEX)->replicaAdd == 0);
+
+        which.submission = Submission::batched;
+        const FramePlan batched = planOf(workload, which, generousCaps(Api::vulkan));
+        REQUIRE(passOf(batched, "draw").draws.size() == 1);
+        CHECK(passOf(batched, "draw").draws[0].count == indices * 3);
+        CHECK(passOf(batched, "draw").draws[0].baseVertex == 0);
+        // Through the null backend, the whole index buffer as a driver would receive it.
+        auto null = openNull(generousCaps(Api::vulkan));
+        const auto bytes = null->readStream(*null->prepare(batched), SLOT_INDEX);
+        REQUIRE(bytes);
+        std::vector<uint32_t> wanted;
+        for (uint32_t copy = 0; copy < 3; ++copy)
+            for (uint32_t index : mesh.indices) wanted.push_back(index + copy * vertices);
+        CHECK(std::ranges::equal(*bytes, std::as_bytes(std::span(wanted))));
+    }
+}
+
+TEST_CASE("work groups: every group of every copy exactly once, also where the device allows few") {
+    Workload workload = tinyWorkload(5);
+    for (const char* name : {"vk-ext", "vk-nv", "gl-ext", "gl-nv"})
+        for (uint32_t most : {1u, 2u, 7u, 65535u, UINT32_MAX}) {
+            Case which = makeCase(name, "mesh");
+            which.limits = {16, 16};
+            DeviceCaps caps = generousCaps(which.route->api);
+            caps.ext.maxGroupCount = caps.nv.maxGroupCount = most;
+            auto input = planInput(workload, which);
+            REQUIRE(input);
+            const auto meshlets = static_cast<uint32_t>(input->meshlets->meshlets.size());
+            REQUIRE(meshlets > 10);
+            INFO(name << " " << most);
+            const FramePlan perCopy = planOf(workload, which, caps);
+            CHECK(passOf(perCopy, "draw").kind == PassKind::drawMesh);
+            CHECK(groupsOf(passOf(perCopy, "draw")) == grid(5, meshlets));
+            which.submission = Submission::batched;
+            const FramePlan batched = planOf(workload, which, caps);
+            CHECK(groupsOf(passOf(batched, "draw")) == grid(1, meshlets * 5));
+            for (const FramePlan* plan : {&perCopy, &batched})
+                for (const Draw& draw : passOf(*plan, "draw").draws) {
+                    CHECK(draw.count > 0);
+                    CHECK(draw.count <= std::min(most, 65535u));
+                }
+        }
+}
+
+TEST_CASE("compute groups of 64 vertices are split too") {
+    Workload workload = tinyWorkload(4);
+    const auto vertices = static_cast<uint32_t>((*sceneFor(workload, 4))->mesh.positions.size());
+    for (uint32_t most : {1u, 3u, 65535u}) {
+        Case which = makeCase("gl", "compute");
+        DeviceCaps caps = generousCaps(Api::opengl);
+        caps.maxComputeGroupCount = most;
+        const FramePlan perCopy = planOf(workload, which, caps);
+        CHECK(passOf(perCopy, "skin").kind == PassKind::dispatch);
+        CHECK(groupsOf(passOf(perCopy, "skin")) == grid(4, (vertices + 63) / 64));
+        which.submission = Submission::batched;
+        const FramePlan batched = planOf(workload, which, caps);
+        CHECK(groupsOf(passOf(batched, "skin")) == grid(1, (vertices * 4 + 63) / 64));
+    }
+}
+
+TEST_CASE("a draw of more than 65535 groups is split on a device without a limit") {
+    Workload workload = tinyWorkload(20'000);
+    Case which = makeCase("vk-ext", "mesh");
+    which.submission = Submission::batched;
+    which.limits = {16, 16};
+    DeviceCaps caps = generousCaps(Api::vulkan);
+    caps.ext.maxGroupCount = UINT32_MAX;
+    auto input = planInput(workload, which);
+    REQUIRE(input);
+    const uint64_t groups = uint64_t{input->meshlets->meshlets.size()} * 20'000;
+    const FramePlan plan = planOf(workload, which, caps);
+    uint64_t next = 0;
+    for (const Draw& draw : passOf(plan, "draw").draws) {
+        CHECK(draw.count <= 65535);
+        CHECK(draw.constants[1] == next);
+        next += draw.count;
+    }
+    CHECK(next == groups);
+    CHECK(passOf(plan, "draw").draws.size() == (groups + 65534) / 65535);
+}
+
+TEST_CASE("the streams of each variant are what its passes read") {
+    Workload workload = tinyWorkload(2);
+    const DeviceCaps caps = generousCaps(Api::vulkan);
+    auto slots = [&](const Case& which, bool capture = false) {
+        return slotsOf(planOf(workload, which, caps, capture));
+    };
+    using Set = std::set<uint32_t>;
+    CHECK(slots(makeCase("vk", "none")) == Set{SLOT_VERTEX, SLOT_INDEX});
+    CHECK(slots(makeCase("vk", "vertex"), true) == Set{SLOT_VERTEX, SLOT_INDEX, SLOT_CAPTURE});
+    CHECK(slots(makeCase("vk", "compute")) == Set{SLOT_VERTEX, SLOT_SKINNED, SLOT_INDEX});
+    CHECK(slots(makeCase("vk", "cpu")) == Set{SLOT_SKINNED, SLOT_INDEX});
+    CHECK(slots(makeCase("vk-nv", "mesh")) == Set{SLOT_VERTEX, SLOT_MESHLET, SLOT_MESHLET_DATA});
+    CHECK(slots(makeCase("cpu", "cpu")).empty());
+
+    const auto vertices = (*sceneFor(workload, 4))->mesh.positions.size();
+    const uint64_t skinned = 2 * vertices * sizeof(SkinnedVertex);
+    const FramePlan compute = planOf(workload, makeCase("vk", "compute"), caps);
+    REQUIRE(compute.passes.size() == 2);
+    CHECK(compute.passes[0].label == "skin");
+    CHECK(compute.passes[1].label == "draw");
+    CHECK(streamOf(compute, SLOT_SKINNED)->gpuBytes == skinned);
+    CHECK(streamOf(compute, SLOT_SKINNED)->use == (useStorage | useAttributes));
+    CHECK(!streamOf(compute, SLOT_SKINNED)->hostWritten);
+    CHECK(compute.programs[compute.passes[1].program].attributeSlot == SLOT_SKINNED);
+    CHECK(compute.programs[compute.passes[1].program].attributeStride == sizeof(SkinnedVertex));
+
+    const FramePlan cpu = planOf(workload, makeCase("vk", "cpu"), caps);
+    CHECK(streamOf(cpu, SLOT_SKINNED)->hostWritten);
+    CHECK(streamOf(cpu, SLOT_SKINNED)->gpuBytes == skinned);
+    CHECK(cpu.paletteBytes == 0);
+    CHECK(cpu.passes.size() == 1);
+    CHECK(planOf(workload, makeCase("cpu", "cpu"), caps).passes.empty());
+
+    Case pull = makeCase("vk", "vertex");
+    CHECK(streamOf(planOf(workload, pull, caps), SLOT_VERTEX)->use == useAttributes);
+    pull.fetch = VertexFetch::pull;
+    CHECK(streamOf(planOf(workload, pull, caps), SLOT_VERTEX)->use == useStorage);
+    CHECK(planOf(workload, pull, caps).programs[0].attributes.empty());
+
+    CHECK(planOf(workload, makeCase("gl", "vertex"), generousCaps(Api::opengl), true).label == "gl/vertex/uc");
+    CHECK(streamOf(planOf(workload, pull, caps, true), SLOT_CAPTURE)->gpuBytes == skinned);
+}
+
+TEST_CASE("options of compute: what a skinned vertex holds, and where the draw finds it") {
+    struct Wanted {
+        ComputeOptions options;
+        uint64_t stride;
+        std::vector<std::pair<uint32_t, uint32_t>> attributes;  // location, offset
+    };
+    const std::vector<Wanted> wanted = {
+        {{}, 32, {{0, 0}, {1, 16}}},
+        {{.staged = true, .earlyExit = true, .halfRate = true}, 32, {{0, 0}, {1, 16}}},
+        {{.previous = true}, 48, {{0, 0}, {1, 16}, {2, 32}}},
+        {{.tangents = true}, 48, {{0, 0}, {1, 16}, {3, 32}}},
+        {{.previous = true, .tangents = true}, 64, {{0, 0}, {1, 16}, {2, 32}, {3, 48}}},
+        {{.packed = true}, 16, {{0, 0}}},
+        {{.previous = true, .tangents = true, .packed = true}, 48, {{0, 0}, {2, 16}, {3, 32}}},
+    };
+    Workload workload = tinyWorkload(3);
+    const uint64_t vertices = (*sceneFor(workload, 4))->mesh.positions.size();
+    for (const char* route : {"vk", "gl"})
+        for (const Wanted& row : wanted) {
+            Case which = makeCase(route, "compute");
+            which.compute = row.options;
+            INFO(caseId(which));
+            const FramePlan plan = planOf(workload, which, generousCaps(which.route->api));
+            const Program& draw = plan.programs[passOf(plan, "draw").program];
+            CHECK(draw.attributeStride == row.stride);
+            REQUIRE(draw.attributes.size() == row.attributes.size());
+            for (size_t i = 0; i < row.attributes.size(); ++i) {
+                CHECK(draw.attributes[i].location == row.attributes[i].first);
+                CHECK(draw.attributes[i].offset == row.attributes[i].second);
+                // A packed normal must not pass through a float, which may lose the bits of a NaN or a denormal.
+                const bool bits = row.options.packed && i == 0;
+                CHECK(draw.attributes[i].format == (bits ? AttributeFormat::uint4 : AttributeFormat::float4));
+            }
+            CHECK(streamOf(plan, SLOT_SKINNED)->gpuBytes == 3 * vertices * row.stride);
+            const Stream* tangents = streamOf(plan, SLOT_TANGENT);
+            REQUIRE((tangents != nullptr) == row.options.tangents);
+            if (tangents) CHECK(tangents->bytes->size() == vertices * 16);
+            const MemoryBytes memory = memoryOfOneCopy(plan, 3);
+            CHECK(memory.skinned == vertices * row.stride);
+            CHECK(memory.vertex == vertices * (row.options.tangents ? 80 : 64));
+            CHECK(memory.meshlet == 0);
+        }
+}
+
+TEST_CASE("staging a palette is refused where it does not fit, and where a group spans copies") {
+    Workload workload = tinyWorkload(2);
+    Case which = makeCase("gl", "compute");
+    which.compute.staged = true;
+    auto input = planInput(workload, which);
+    REQUIRE(input);
+    DeviceCaps caps = generousCaps(Api::opengl);
+    caps.maxComputeSharedBytes = 12 * sizeof(PaletteEntry);
+    CHECK(!unsupported(which, caps));
+    CHECK(makePlan(which, *input, caps));
+    --caps.maxComputeSharedBytes;
+    const auto plan = makePlan(which, *input, caps);
+    REQUIRE(!plan);
+    CHECK(plan.error().fault == Fault::device);
+    CHECK(plan.error().text == "needs 576 bytes of shared memory for 12 joints: test device allows 575");
+    which.compute.staged = false;
+    CHECK(makePlan(which, *input, caps));
+
+    which.compute = {.staged = true, .packed = true};
+    which.submission = Submission::batched;
+    CHECK(unsupported(which, generousCaps(Api::opengl)) ==
+          "a work group of a batched dispatch spans copies, so it cannot stage the palette of one");
+    which.compute.staged = false;
+    CHECK(!unsupported(which, generousCaps(Api::opengl)));
+}
+
+TEST_CASE("memory of one copy, buffer by buffer") {
+    Workload workload = tinyWorkload(7);
+    const DeviceCaps caps = generousCaps(Api::vulkan);
+    const Scene& scene = **sceneFor(workload, 4);
+    const uint64_t vertices = scene.mesh.positions.size(), indices = scene.mesh.indices.size();
+    const uint64_t palette = scene.skeleton.joints.size() * sizeof(PaletteEntry);
+    for (Submission submission : {Submission::perCopy, Submission::batched})
+        for (const char* variant : {"none", "vertex", "compute", "cpu", "mesh"}) {
+            const bool mesh = std::string(variant) == "mesh";
+            Case which = makeCase(mesh ? "vk-ext" : "vk", variant);
+            which.submission = submission;
+            INFO(caseId(which));
+            const MemoryBytes memory = memoryOfOneCopy(planOf(workload, which, caps), 7);
+            const bool cpu = std::string(variant) == "cpu";
+            CHECK(memory.vertex == (cpu ? 0 : vertices * 64));
+            CHECK(memory.index == (mesh ? 0 : indices * 4));
+            CHECK(memory.skinned == (cpu || std::string(variant) == "compute" ? vertices * 32 : 0));
+            CHECK(memory.palette == (cpu ? 0 : palette));
+            CHECK(memory.tuple == 0);
+            CHECK(memory.additionalMeshlet == 0);
+            uint64_t meshlet = 0;
+            if (mesh)
+                for (const Meshlet& m : (*planInput(workload, which)).meshlets->meshlets)
+                    meshlet += 8 + 4 * (m.vertexCount + (m.triangleCount + 3) / 4 * 3);
+            CHECK(memory.meshlet == meshlet);
+            CHECK(memory.total() == memory.vertex + memory.index + memory.skinned + memory.palette + memory.meshlet);
+        }
+    Case eight = makeCase("vk", "vertex");
+    eight.influences = 8;
+    CHECK(memoryOfOneCopy(planOf(workload, eight, caps), 7).vertex ==
+          (*sceneFor(workload, 8))->mesh.positions.size() * 96);
+    const MemoryBytes none = memoryOfOneCopy(planOf(workload, makeCase("cpu", "cpu"), caps), 7);
+    CHECK(none.total() == 0);
+}
+
+TEST_CASE("a plan that the device cannot hold is refused with both numbers") {
+    Workload workload = tinyWorkload(1000);
+    Case which = makeCase("vk-ext", "mesh");
+    auto input = planInput(workload, which);
+    REQUIRE(input);
+    auto mebibytes = [](uint64_t bytes) { return std::format("{:.1f} MiB", static_cast<double>(bytes) / 1048576); };
+
+    DeviceCaps caps = generousCaps(Api::vulkan);
+    const uint64_t vertexBytes = input->encoded->vertices->size() * 1000;
+    caps.maxStorageBytes = vertexBytes;
+    CHECK(makePlan(which, *input, caps));
+    caps.maxStorageBytes = vertexBytes - 1;
+    auto plan = makePlan(which, *input, caps);
+    REQUIRE(!plan);
+    CHECK(plan.error().fault == Fault::device);
+    CHECK(plan.error().text == "needs a storage buffer of " + mebibytes(vertexBytes) +
+                                   " for 1000 copies: test device allows " + mebibytes(vertexBytes - 1) +
+                                   "; use fewer copies");
+    // Attributes are no storage buffer, but the palette is one.
+    CHECK(makePlan(makeCase("vk", "vertex"), *input, caps));
+    caps.maxStorageBytes = 1000 * 12 * 48 - 1;
+    plan = makePlan(makeCase("vk", "vertex"), *input, caps);
+    REQUIRE(!plan);
+    CHECK_THAT(plan.error().text, ContainsSubstring("needs a palette of " + mebibytes(1000 * 12 * 48)));
+
+    caps = generousCaps(Api::vulkan);
+    caps.maxBufferBytes = vertexBytes;
+    CHECK(makePlan(makeCase("vk", "vertex"), *input, caps));
+    caps.maxBufferBytes = vertexBytes - 1;
+    plan = makePlan(makeCase("vk", "vertex"), *input, caps);
+    REQUIRE(!plan);
+    CHECK_THAT(plan.error().text, ContainsSubstring("needs a buffer of " + mebibytes(vertexBytes)));
+
+    caps = generousCaps(Api::vulkan);
+    const uint64_t needed = planBytes(*makePlan(which, *input, caps));
+    caps.deviceBytes = needed;
+    CHECK(makePlan(which, *input, caps));
+    caps.deviceBytes = needed / 2;
+    plan = makePlan(which, *input, caps);
+    REQUIRE(!plan);
+    CHECK(plan.error().text == "needs " + mebibytes(needed) + " for 1000 copies: test device has " +
+                                   mebibytes(needed / 2) + "; use fewer copies");
+}
+
+TEST_CASE("too many copies for 32-bit numbers are refused, on every route") {
+    Workload workload = tinyWorkload(1);
+    for (const char* words : {"vk vertex", "gl compute", "vk-ext mesh", "cpu cpu"}) {
+        const std::string text(words);
+        const Case which = makeCase(text.substr(0, text.find(' ')).c_str(), text.substr(text.find(' ') + 1).c_str());
+        auto input = planInput(workload, which);
+        REQUIRE(input);
+        input->copies = static_cast<uint32_t>(INT32_MAX / input->scene->mesh.indices.size()) + 1;
+        DeviceCaps caps = generousCaps(which.route->api);
+        caps.maxStorageBytes = UINT64_MAX;
+        const auto plan = makePlan(which, *input, caps);
+        INFO(words);
+        REQUIRE(!plan);
+        CHECK(plan.error().fault == Fault::device);
+        CHECK_THAT(plan.error().text, ContainsSubstring("exceed 32-bit numbers; use fewer copies"));
+        CHECK_THAT(plan.error().text, ContainsSubstring(std::to_string(input->copies) + " copies"));
+    }
+}
+
+TEST_CASE("what a case asks of the rasteriser reaches its draw pass") {
+    Workload workload = tinyWorkload(1);
+    for (const char* route : {"vk", "vk-ext"})
+        for (RasterMode raster : {RasterMode::full, RasterMode::noFragments, RasterMode::discard})
+            for (bool keep : {false, true}) {
+                Case which = makeCase(route, "none");
+                which.raster = raster;
+                which.keepBackFaces = keep;
+                const FramePlan plan = planOf(workload, which, generousCaps(Api::vulkan));
+                CHECK(passOf(plan, "draw").raster == raster);
+                CHECK(passOf(plan, "draw").cullBackFaces == !keep);
+                CHECK(plan.dialect == which.route->dialect);
+                CHECK(plan.width == 320);
+                CHECK(plan.height == 180);
+            }
+}
+
+TEST_CASE("the null backend runs every plan of every case") {
+    Workload workload = tinyWorkload(2);
+    size_t ran = 0;
+    for (const Case& which : everyCase())
+        for (bool capture : {false, true}) {
+            INFO(caseId(which));
+            const DeviceCaps caps = generousCaps(which.route->api);
+            const FramePlan plan = planOf(workload, which, caps, capture);
+            auto null = openNull(caps);
+            auto id = null->prepare(plan);
+            REQUIRE(id);
+            auto frame = makeFrame(workload, which.influences, 0);
+            REQUIRE(frame);
+            FrameInput input{frame->constants, std::as_bytes(std::span(frame->palettes)), {}};
+            const auto blocks = paletteBlocks(which, *planInput(workload, which));
+            const std::vector<std::byte> blocked =
+                blocks ? blockedPalettes(*frame, 2, *blocks) : std::vector<std::byte>();
+            if (blocks) input.palette = blocked;
+            if (plan.paletteBytes == 0) input.palette = {};
+            REQUIRE(input.palette.size() == plan.paletteBytes);
+            auto timings = null->run(*id, std::vector{input, input});
+            REQUIRE(timings);
+            REQUIRE(timings->size() == 2);
+            CHECK(timings->at(1).passes.size() == plan.passes.size());
+            uint64_t bytes = 0;
+            for (const Stream& stream : plan.streams) bytes += null->readStream(*id, stream.slot)->size();
+            CHECK(bytes == planBytes(plan));
+            CHECK(null->readImage(*id)->rgba.size() == 320 * 180 * 4);
+            for (const Pass& pass : plan.passes) CHECK(pass.program < plan.programs.size());
+            null->release(*id);
+            CHECK(!null->run(*id, {}));
+            ++ran;
+        }
+    CHECK(ran > 50);
+}
+
+TEST_CASE("a palette of the wrong size is an error") {
+    Workload workload = tinyWorkload(2);
+    auto null = openNull(generousCaps(Api::vulkan));
+    const auto id = null->prepare(planOf(workload, makeCase("vk", "vertex"), null->caps()));
+    REQUIRE(id);
+    CHECK(!null->run(*id, std::vector<FrameInput>(1)));
+    CHECK(!null->readStream(*id, SLOT_TUPLE));
+}
+
+TEST_CASE("a device is picked by number, by part of its name, or hardware first") {
+    std::vector<DeviceCaps> devices(3, generousCaps(Api::vulkan));
+    devices[0].name = "llvmpipe (LLVM)";
+    devices[0].software = true;
+    devices[1].name = "NVIDIA H200";
+    devices[2].name = "AMD Radeon";
+    CHECK(pickDevice(devices, "") == 1u);
+    CHECK(pickDevice(devices, "0") == 0u);
+    CHECK(pickDevice(devices, "2") == 2u);
+    CHECK(pickDevice(devices, "radeon") == 2u);
+    CHECK(pickDevice(devices, "LLVM") == 0u);
+    CHECK(pickDevice(devices, "200") == 1u);
+    const auto none = pickDevice(devices, "voodoo");
+    REQUIRE(!none);
+    CHECK(none.error().fault == Fault::device);
+    CHECK(none.error().text == "no device 'voodoo'; there is 0 (llvmpipe (LLVM)), 1 (NVIDIA H200), 2 (AMD Radeon)");
+    CHECK(!pickDevice(devices, "3"));
+    CHECK(!pickDevice({}, ""));
+    devices.resize(1);
+    CHECK(pickDevice(devices, "") == 0u);
+}

@@ -1,0 +1,439 @@
+// The result file's contract, its CSV and table.
+#include <algorithm>
+#include <limits>
+#include <sstream>
+
+#include <catch2/catch_test_macros.hpp>
+#include <catch2/matchers/catch_matchers_floating_point.hpp>
+#include <catch2/matchers/catch_matchers_string.hpp>
+#include <nlohmann/json.hpp>
+
+#include "common/core/file.h"
+#include "common/report/report.h"
+#include "tests/cases.h"
+#include "tests/scene/gltf_fixture.h"
+
+using namespace skinbench;
+using Catch::Matchers::ContainsSubstring;
+using Catch::Matchers::WithinRel;
+using Json = nlohmann::ordered_json;
+
+namespace {
+
+Case scanCase(const char* route, const char* variant) {
+    Case which = makeCase(route, variant);
+    if (which.builder) which.builder = findBuilder("scan");
+    return which;
+}
+
+CaseResult makeResult(const Case& which, CaseStatus status, std::string reason = {}) {
+    CaseResult result;
+    result.which = which;
+    result.id = caseId(which);
+    result.status = status;
+    result.reason = std::move(reason);
+    return result;
+}
+
+RunContext makeContext() {
+    RunContext context;
+    context.version = "1.2.3";
+    context.revision = "abc";
+    context.buildType = "Release";
+    context.os = "Test OS";
+    context.cpu = "Test CPU";
+    DeviceCaps vulkan = generousCaps(Api::vulkan), opengl = generousCaps(Api::opengl);
+    vulkan.name = "Lava <pipe> & co";
+    vulkan.software = true;
+    opengl.name = "Real GPU";
+    opengl.ext.available = false;
+    context.devices = {vulkan, opengl};
+    context.sceneName = "hero, \"the\" <b>&amp;";
+    context.scene = {100, 200, 30, 40, 1.5, 4};
+    context.workload.copies = 7;
+    context.workload.animated = false;
+    return context;
+}
+
+// A timed case on a software driver, one on hardware, a skipped one, a failed one, and one that was only verified.
+std::vector<CaseResult> makeResults() {
+    std::vector<CaseResult> results;
+    results.push_back(makeResult(scanCase("vk-ext", "mesh"), CaseStatus::ok));
+    results[0].total = {1, 2, 4, 9};
+    results[0].roundSizes = {2, 2};
+    results[0].interval = Interval{1.5, 6.5};
+    results[0].limitId = "vk-ext/none/ids/scan/redirect+ordered-records";
+    results[0].counters = Counters{.clippingPrimitives = 77, .meshInvocations = 64};
+    results[0].passes = {{"draw", {1, 2, 4, 9}}};
+    results[0].record = {0.25, 0.5, 0.75};
+    results[0].submit = {0.125};
+    results[0].meshlets = 12;
+    results[0].memory = MemoryBytes{1000, 0, 24, 0, 0, 0, 0};
+    results[0].accuracy = Accuracy{{1.5e-7, 2e-6}, 2e-6, {1.5e-7, 2e-6}, 0, "vk-ext/mesh/uc/scan/redirect"};
+    results.push_back(makeResult(scanCase("gl", "compute"), CaseStatus::ok));
+    results[1].total = {0.5};
+    results[1].roundSizes = {1};
+    results[1].overlapped = {0.4};
+    results[1].passes = {{"skin", {0.2}}, {"draw", {0.3}}};
+    results[1].memory = MemoryBytes{2048, 512, 0, 0, 0, 0, 1024};
+    results[1].accuracy = Accuracy{{1e-7, 1e-6}, 2e-6, {3e-5, 4e-4}, 0.25, "vk-ext/mesh/uc/scan/redirect"};
+    results.push_back(makeResult(scanCase("gl-nv", "mesh"), CaseStatus::skipped, "Real GPU has no GL_NV_mesh_shader"));
+    results.push_back(makeResult(scanCase("vk", "vertex"), CaseStatus::failed, "off by \"1\", <far>\nand more"));
+    results[3].accuracy = Accuracy{{std::numeric_limits<double>::infinity(), 0.5}, 2e-6, {}, 0, {}};
+    results.push_back(makeResult(scanCase("cpu", "cpu"), CaseStatus::ok));
+    results[4].accuracy = Accuracy{{0, 0}, 2e-6, 0, {}};
+    results.push_back(makeResult(*limitCase(results[0].which), CaseStatus::ok));
+    results[5].isLimit = true;
+    results[5].total = {0.75, 1.25};
+    results[5].roundSizes = {1, 1};
+    return results;
+}
+
+Json sample() { return resultsJson(makeContext(), makeResults()); }
+
+std::vector<std::string> keysOf(const Json& object) {
+    std::vector<std::string> keys;
+    for (const auto& [key, value] : object.items()) keys.push_back(key);
+    return keys;
+}
+
+using Keys = std::vector<std::string>;
+
+// RFC 4180: fields, with quotes undone.
+std::vector<std::vector<std::string>> parseCsv(const std::string& text) {
+    std::vector<std::vector<std::string>> rows(1, {""});
+    bool quoted = false;
+    for (size_t i = 0; i < text.size(); ++i) {
+        const char c = text[i];
+        std::string& field = rows.back().back();
+        if (quoted && c == '"' && i + 1 < text.size() && text[i + 1] == '"')
+            field += text[i++];
+        else if (c == '"')
+            quoted = !quoted;
+        else if (!quoted && c == ',')
+            rows.back().push_back("");
+        else if (!quoted && c == '\n')
+            rows.push_back({""});
+        else
+            field += c;
+    }
+    CHECK(!quoted);
+    CHECK(rows.back() == std::vector<std::string>{""});
+    rows.pop_back();
+    return rows;
+}
+
+}  // namespace
+
+TEST_CASE("the host has a name") {
+    const RunContext context = hostContext();
+    CHECK(context.os.find("Linux") != std::string::npos);
+    CHECK(!context.cpu.empty());
+    CHECK(!context.version.empty());
+    CHECK(!context.revision.empty());
+}
+
+TEST_CASE("the result file has the keys of its schema") {
+    const Json json = sample();
+    CHECK(keysOf(json) == Keys{"schema", "tool", "host", "devices", "scene", "settings", "environment", "warnings",
+                               "calibrations", "noise_floor", "self_test", "limits", "cases"});
+    CHECK(json["schema"] == "skinbench-results/1");
+    CHECK(keysOf(json["tool"]) == Keys{"version", "revision", "build_type"});
+    CHECK(keysOf(json["host"]) == Keys{"os", "cpu"});
+    CHECK(keysOf(json["scene"]) ==
+          Keys{"name", "vertices", "triangles", "joints", "unique_tuples", "mean_influences", "max_influences"});
+    const Keys settings = {"copies",    "frames",       "warmup", "width",     "height",   "pose",       "rounds",
+                           "precision", "time_limit_s", "seed",   "placement", "geometry", "cache_order"};
+    CHECK(keysOf(json["settings"]) == settings);
+    REQUIRE(json["devices"].size() == 2);
+    const Keys device = keysOf(json["devices"][0]);
+    CHECK(Keys(device.begin(), device.begin() + 5) ==
+          Keys{"route_api", "name", "driver", "software", "timestamp_period_ns"});
+    for (const Json& row : json["cases"]) {
+        const Keys wanted = {"id",       "route",     "variant",         "codec",        "builder",  "layout",
+                             "cull",     "scenario",  "raster",          "options",      "status",   "reason",
+                             "gpu_ms",   "passes_ms", "unserialised_ms", "host_ms",      "limit_ms", "limit_id",
+                             "achieved", "counters",  "meshlets",        "memory_bytes", "accuracy"};
+        CHECK(keysOf(row) == wanted);
+        for (const auto& [option, value] : row["options"].items()) CHECK(value.is_string());
+    }
+    const Json& row = json["cases"][0];
+    CHECK(keysOf(row["gpu_ms"]) ==
+          Keys{"mean", "median", "min", "max", "p95", "cv", "interval", "outliers", "drift", "round_sizes", "samples"});
+    CHECK(keysOf(row["counters"]) == Keys{"input_vertices", "input_primitives", "vertex_invocations",
+                                          "clipping_invocations", "clipping_primitives", "fragment_invocations",
+                                          "compute_invocations", "task_invocations", "mesh_invocations",
+                                          "mesh_primitives"});
+    CHECK(keysOf(json["limits"][0]) == Keys{"id", "route", "raster", "status", "reason", "gpu_ms", "counters"});
+    CHECK(keysOf(row["passes_ms"]) == Keys{"skin", "depth", "draw"});
+    CHECK(keysOf(row["host_ms"]) == Keys{"record", "submit"});
+    CHECK(keysOf(row["memory_bytes"]) ==
+          Keys{"vertex", "index", "meshlet", "additional_meshlet", "tuple", "palette", "skinned", "total"});
+    CHECK(keysOf(row["accuracy"]) == Keys{"max_position_error", "max_normal_error", "tolerance", "codec_position_error",
+                                          "codec_normal_error", "codec_position_bound", "image_difference",
+                                          "image_reference"});
+}
+
+TEST_CASE("the values of the result file") {
+    const Json json = sample();
+    CHECK(json["settings"]["copies"] == 7);
+    CHECK(json["settings"]["pose"] == "frozen");
+    CHECK(json["settings"]["geometry"] == "welded");
+    CHECK(json["scene"]["mean_influences"] == 1.5);
+    CHECK(json["devices"][0]["route_api"] == "vulkan");
+    CHECK(json["devices"][0]["software"] == true);
+    CHECK(json["devices"][1]["route_api"] == "opengl");
+    CHECK(json["devices"][1]["mesh_ext"].is_null());
+    CHECK(json["devices"][1]["mesh_nv"]["max_vertices"] == 256);
+
+    const Json& mesh = json["cases"][0];
+    CHECK(mesh["id"] == "vk-ext/mesh/uc/scan/redirect");
+    CHECK(mesh["status"] == "ok");
+    CHECK(mesh["gpu_ms"]["mean"] == 4);
+    CHECK(mesh["gpu_ms"]["median"] == 3);
+    CHECK(mesh["gpu_ms"]["samples"] == Json{1, 2, 4, 9});
+    CHECK(mesh["passes_ms"]["draw"] == 3);
+    CHECK(mesh["host_ms"]["record"] == 0.5);
+    CHECK(mesh["meshlets"] == 12);
+    CHECK(mesh["memory_bytes"]["total"] == 1024);
+    CHECK(mesh["accuracy"]["max_position_error"] == 1.5e-7);
+    const Json options = {{"influences", "4"},        {"submission", "per-copy"},   {"back_faces", "culled"},
+                          {"meshlet_vertices", "64"}, {"meshlet_triangles", "124"}, {"group_size", "32"},
+                          {"joints", "vertex"},       {"loads", "guarded"},         {"records", "indexed"},
+                          {"palette", "storage"}};
+    CHECK(mesh["options"] == options);
+    CHECK(json["cases"][1]["passes_ms"]["skin"] == 0.2);
+    CHECK(json["cases"][1]["accuracy"]["image_difference"] == 0.25);
+    CHECK(json["cases"][2]["options"]["index_writes"] == "packed");
+    CHECK(json["cases"][3]["options"]["vertex_fetch"] == "attributes");
+}
+
+TEST_CASE("what is measured beside a case") {
+    RunContext context = makeContext();
+    context.copyBandwidth[Api::vulkan] = 5e11;
+    const Json json = resultsJson(context, makeResults());
+    const Json& mesh = json["cases"][0];
+    CHECK(mesh["gpu_ms"]["interval"] == Json{1.5, 6.5});
+    CHECK(mesh["gpu_ms"]["round_sizes"] == Json{2, 2});
+    CHECK(mesh["gpu_ms"]["drift"]["relative"] == 5 / 3.0);
+    CHECK(mesh["limit_ms"] == 1);
+    CHECK(mesh["limit_id"] == json["limits"][0]["id"]);
+    CHECK(json["cases"].size() == 5);
+    CHECK(mesh["counters"]["clipping_primitives"] == 77);
+    CHECK(mesh["counters"]["mesh_invocations"] == 64);
+    CHECK(mesh["counters"]["input_vertices"].is_null());
+    CHECK(mesh["unserialised_ms"].is_null());
+    CHECK(json["cases"][1]["unserialised_ms"]["median"] == 0.4);
+    CHECK(json["cases"][1]["limit_ms"].is_null());
+    // 200 triangles and 1024 bytes, 7 copies, 3 ms.
+    CHECK_THAT(mesh["achieved"]["triangles_per_s"].get<double>(), WithinRel(1400 / 3e-3, 1e-12));
+    CHECK_THAT(mesh["achieved"]["bytes_per_s"].get<double>(), WithinRel(7168 / 3e-3, 1e-12));
+    CHECK(json["devices"][0]["peak"]["copy_bytes_per_s"] == 5e11);
+    CHECK_THAT(json["devices"][0]["peak"]["triangles_per_s"].get<double>(), WithinRel(1400 / 1e-3, 1e-12));
+    CHECK(json["devices"][1]["peak"].is_null());
+    CHECK(json["noise_floor"].is_null());
+    CHECK(json["self_test"].is_null());
+}
+
+TEST_CASE("warnings: clocks that moved, a build that is no release, rounds that drifted") {
+    RunContext context = makeContext();
+    const std::vector<CaseResult> none;
+    CHECK(figureWarnings(context, none).empty());
+    DeviceState before{.device = "GPU", .smClockMhz = 2000}, after = before;
+    after.smClockMhz = 1970;
+    context.deviceStates = {{before}, {after}};
+    CHECK(figureWarnings(context, none).empty());
+    context.deviceStates[1][0].smClockMhz = 1900;
+    REQUIRE(figureWarnings(context, none).size() == 1);
+    CHECK_THAT(figureWarnings(context, none)[0], ContainsSubstring("from 2000 to 1900 MHz"));
+    context.deviceStates.clear();
+    context.buildType = "Debug";
+    REQUIRE(figureWarnings(context, none).size() == 1);
+    CHECK_THAT(figureWarnings(context, none)[0], ContainsSubstring("Debug build"));
+    context.buildType = "Release";
+    std::vector<CaseResult> results{makeResult(scanCase("vk", "vertex"), CaseStatus::ok)};
+    for (int i = 0; i < 20; ++i) results[0].total.push_back(i < 10 ? 1 + i * 1e-4 : 1.1 + i * 1e-4);
+    results[0].roundSizes = {10, 10};
+    REQUIRE(figureWarnings(context, results).size() == 1);
+    CHECK_THAT(figureWarnings(context, results)[0], ContainsSubstring("1 of 1 cases drifted"));
+    for (double& sample : results[0].total) sample = 1;
+    CHECK(figureWarnings(context, results).empty());
+}
+
+TEST_CASE("the self-test tells the largest difference of equal cases") {
+    RunContext context = makeContext();
+    context.bench.selfTest = true;
+    std::vector<CaseResult> results;
+    auto addPair = [&](const Case& which, double a, double b, double width) {
+        for (double value : {a, b}) {
+            results.push_back(makeResult(which, CaseStatus::ok));
+            results.back().total = {value - width, value + width};
+            results.back().roundSizes = {1, 1};
+        }
+        results.back().isAgain = true;
+    };
+    addPair(scanCase("vk", "vertex"), 2, 2.004, 0.003);
+    addPair(scanCase("vk", "compute"), 4, 4.008, 0.0005);
+    addPair(scanCase("cpu", "cpu"), 1, 3, 0.1);
+    REQUIRE(noiseFloor(results));
+    CHECK_THAT(*noiseFloor(results), WithinRel(0.002, 1e-9));
+    const Json json = resultsJson(context, results);
+    CHECK_THAT(json["noise_floor"].get<double>(), WithinRel(0.002, 1e-9));
+    REQUIRE(json["self_test"].size() == 3);
+    CHECK(json["self_test"][0]["equal"] == true);
+    CHECK(json["self_test"][1]["equal"] == false);
+    CHECK(json["self_test"][2]["a_ms"] == 1);
+    CHECK(json["self_test"][2]["b_ms"] == 3);
+}
+
+TEST_CASE("the self-test tells pairs apart by more than the interval of one case") {
+    RunContext context = makeContext();
+    context.bench.selfTest = true;
+    auto equalAt = [&](double shift) {
+        std::vector<CaseResult> results(2, makeResult(scanCase("vk", "vertex"), CaseStatus::ok));
+        for (CaseResult& result : results) {
+            result.total.clear();
+            for (int i = 0; i < 8; ++i) result.total.push_back(100 + i + (&result == &results[1] ? shift : 0));
+            result.roundSizes.assign(8, 1);
+            result.interval = medianInterval(result.total, result.roundSizes);
+        }
+        results[1].isAgain = true;
+        const bool overlap = results[1].interval->low <= results[0].interval->high;
+        return std::pair(overlap, resultsJson(context, results)["self_test"][0]["equal"].get<bool>());
+    };
+    CHECK(equalAt(0) == std::pair(true, true));
+    CHECK(equalAt(5) == std::pair(false, true));
+    CHECK(equalAt(9) == std::pair(false, false));
+}
+
+TEST_CASE("null stands where nothing applies") {
+    const Json json = sample();
+    for (const char* key : {"gpu_ms", "passes_ms", "host_ms", "limit_ms", "meshlets", "memory_bytes", "accuracy"})
+        CHECK(json["cases"][2][key].is_null());
+    CHECK(json["cases"][2]["reason"] == "Real GPU has no GL_NV_mesh_shader");
+    for (size_t ok : {0, 1, 4}) CHECK(json["cases"][ok]["reason"].is_null());
+    for (const char* key : {"builder", "layout", "meshlets"}) CHECK(json["cases"][1][key].is_null());
+    CHECK(json["cases"][0]["passes_ms"]["skin"].is_null());
+    CHECK(json["cases"][0]["passes_ms"]["depth"].is_null());
+    // Infinite errors, and no image on a route that draws none.
+    CHECK(json["cases"][3]["accuracy"]["max_position_error"].is_null());
+    CHECK(json["cases"][3]["accuracy"]["max_normal_error"] == 0.5);
+    CHECK(json["cases"][4]["accuracy"]["image_difference"].is_null());
+    CHECK(json["cases"][4]["gpu_ms"].is_null());
+    CHECK(json.dump().find("Infinity") == std::string::npos);
+}
+
+TEST_CASE("a case that failed is published without a time") {
+    std::vector<CaseResult> results = makeResults();
+    results[0].status = CaseStatus::failed;
+    results[0].reason = "wrong";
+    const Json row = resultsJson(makeContext(), results)["cases"][0];
+    CHECK(row["gpu_ms"].is_null());
+    CHECK(row["passes_ms"].is_null());
+    CHECK(row["host_ms"].is_null());
+}
+
+TEST_CASE("CSV: a line a case, quoted as RFC 4180 says") {
+    const auto rows = parseCsv(resultsCsv(sample()));
+    REQUIRE(rows.size() == 6);
+    const auto& head = rows[0];
+    for (const auto& row : rows) CHECK(row.size() == head.size());
+    auto at = [&](size_t row, const std::string& column) {
+        auto place = std::ranges::find(head, column);
+        REQUIRE(place != head.end());
+        return rows[row][static_cast<size_t>(place - head.begin())];
+    };
+    CHECK(head[0] == "scene");
+    CHECK(at(1, "scene") == "hero, \"the\" <b>&amp;");
+    CHECK(at(1, "id") == "vk-ext/mesh/uc/scan/redirect");
+    CHECK(at(1, "gpu_ms_median") == "3.0");
+    CHECK(at(1, "memory_bytes_total") == "1024");
+    CHECK(at(1, "reason") == "");
+    CHECK(at(2, "builder") == "");
+    CHECK(at(2, "passes_ms_skin") == "0.2");
+    CHECK(at(3, "gpu_ms_mean") == "");
+    CHECK(at(4, "reason") == "off by \"1\", <far>\nand more");
+    CHECK(at(4, "accuracy_max_position_error") == "");
+}
+
+TEST_CASE("the table marks the times of software drivers, and only those") {
+    const std::string table = resultsTable(sample());
+    std::istringstream stream(table);
+    std::vector<std::string> lines;
+    for (std::string line; std::getline(stream, line);) lines.push_back(line);
+    auto lineOf = [&](const std::string& id) {
+        auto line = std::ranges::find_if(lines, [&](const std::string& l) { return l.starts_with(id + " "); });
+        REQUIRE(line != lines.end());
+        return *line;
+    };
+    CHECK_THAT(lineOf("vk-ext/mesh/uc/scan/redirect"), ContainsSubstring("3.000*"));
+    CHECK_THAT(lineOf("gl/compute/uc"), ContainsSubstring("0.500 "));
+    CHECK(lineOf("gl/compute/uc").find('*') == std::string::npos);
+    CHECK(lineOf("cpu/cpu/uc").find('*') == std::string::npos);
+    CHECK_THAT(lineOf("gl-nv/mesh/uc/scan/redirect"), ContainsSubstring("skipped: Real GPU has no"));
+    CHECK_THAT(lineOf("vk/vertex/uc"), ContainsSubstring("failed: off by"));
+    CHECK_THAT(table, ContainsSubstring("* software driver"));
+
+    RunContext hardware = makeContext();
+    hardware.devices[0].software = false;
+    CHECK(resultsTable(resultsJson(hardware, makeResults())).find('*') == std::string::npos);
+}
+
+TEST_CASE("a result file is read back as it was written") {
+    const Json json = sample();
+    const std::string path = fixture::writeText("results.json", json.dump(1));
+    const auto loaded = loadResults(path);
+    REQUIRE(loaded);
+    CHECK(*loaded == json);
+    CHECK(resultsCsv(*loaded) == resultsCsv(json));
+}
+
+TEST_CASE("what is no result file is told with its path") {
+    auto refused = [](const std::string& path, const char* why) {
+        const auto loaded = loadResults(path);
+        INFO(why);
+        REQUIRE(!loaded);
+        CHECK(loaded.error().fault == Fault::input);
+        CHECK(loaded.error().text.starts_with(path + ": "));
+        CHECK_THAT(loaded.error().text, ContainsSubstring(why));
+    };
+    refused((fixture::temporaryFolder() / "nothing.json").string(), "No such file");
+    refused(fixture::temporaryFolder().string(), "is a folder");
+    refused(fixture::writeText("empty.json", ""), "is not JSON");
+    refused(fixture::writeText("broken.json", sample().dump().substr(0, 300)), "is not JSON");
+    refused(fixture::writeText("array.json", "[1, 2]"), "schema is not skinbench-results/1");
+    refused(fixture::writeText("number.json", "7"), "schema is not");
+    refused(fixture::writeText("schema.json", "{\"schema\": \"skinbench-results/2\"}"), "schema is not");
+    refused(fixture::writeText("number_schema.json", "{\"schema\": 1}"), "schema is not");
+    for (const char* key : {"tool", "host", "devices", "scene", "settings", "cases"}) {
+        Json json = sample();
+        json.erase(key);
+        refused(fixture::writeText("part.json", json.dump()), "is not a whole result file");
+        json[key] = 5;
+        refused(fixture::writeText("kind.json", json.dump()), "is not a whole result file");
+    }
+    for (const char* key :
+         {"id", "route", "variant", "status", "reason", "raster", "gpu_ms", "passes_ms", "memory_bytes", "accuracy"}) {
+        Json json = sample();
+        json["cases"][1].erase(key);
+        refused(fixture::writeText("case.json", json.dump()), key);
+    }
+    Json json = sample();
+    json["cases"][1] = "text";
+    refused(fixture::writeText("text_case.json", json.dump()), "an entry of 'cases' lacks");
+    json = sample();
+    json["devices"][0] = 5;
+    refused(fixture::writeText("device.json", json.dump()), "an entry of 'devices' lacks");
+    for (const auto& [group, key] : {std::pair{"scene", "mean_influences"}, {"settings", "copies"}, {"host", "cpu"}}) {
+        json = sample();
+        json[group].erase(key);
+        refused(fixture::writeText("group.json", json.dump()), key);
+    }
+    for (const auto& [group, key] : {std::pair{"gpu_ms", "median"}, {"accuracy", "max_position_error"}}) {
+        json = sample();
+        json["cases"][0][group].erase(key);
+        refused(fixture::writeText("figure.json", json.dump()), key);
+        json["cases"][0][group] = 5;
+        refused(fixture::writeText("figure.json", json.dump()), group);
+    }
+}
