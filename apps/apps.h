@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "common/cases/axes.h"
 #include "common/measure/bench.h"
 #include "common/report/report.h"
 
@@ -46,22 +47,14 @@ Choice chooseRoute(const std::vector<DeviceCaps>& devices);
 
 // --- selectors (selectors.cpp) ---------------------------------------------------------------------------------
 
-// Lists are crossed. Empty lists mean every row of their table, but for what is said here.
+// Which cases, of which scene, and how they are measured.
 struct Selectors {
     std::string scene = "builtin:biped";
-    std::vector<std::string> routes, variants, codecs, builders, layouts, rasters, fetches, submissions, indexWrites;
-    std::vector<std::string> culls, exchanges, scenarios, joints, loads, records, palettes;
-    std::vector<std::string> ciGroupings, ciKeys, ciVertices;
-    std::vector<std::string> computes;   // "plain", or options joined with +; empty: plain
-    std::vector<uint32_t> ciMins;        // empty: the default
-    std::vector<uint32_t> paletteSlots;  // empty: the default
-    std::vector<std::string> meshlets;   // "64/124" or the name of such a pair
-    std::vector<int> influences;         // empty: 4
-    std::vector<uint32_t> groupSizes;    // empty: 32
+    AxisWords words;                   // crossed
+    std::vector<std::string> caseIds;  // exactly these cases instead
     std::string shape = "given";
     std::string geometry = "welded";
     bool noCacheOrder = false;
-    bool keepBackFaces = false;
     std::string clip;
     double seconds = 0.4;
     std::string pose = "animated";
@@ -79,9 +72,8 @@ struct Selectors {
     bool validation = false;
 };
 
-// The crossed cases, without combinations that exist on no device (a mesh variant on a route without mesh shaders).
-// A word that is in no table is an error that lists the table.
-Result<std::vector<Case>> crossCases(const Selectors& selectors);
+// The cases that were named, or the crossed ones; raster modes that were not named are the preset's.
+Result<std::vector<Case>> selectedCases(const Selectors& selectors);
 
 // --shape auto: times every shape of each mesh case for a few frames and gives the case its fastest.
 Result<std::vector<Calibration>> calibrateShapes(Workload& workload, std::vector<Case>& cases, const Backends& backends,
@@ -133,13 +125,13 @@ int runProbe(const ProbeOptions& options);
 
 struct RenderOptions {
     Selectors selectors;
-    std::string route = "auto", variant, codec = "uc", view = "shaded", out;
-    float yaw = 25;  // degrees that a single character is turned by
+    std::string route = "auto", view, out;  // view: empty is the case's own
+    float yaw = 25;                         // degrees that a single character is turned by
 };
 int runRender(const RenderOptions& options);
 
 struct InspectOptions {
-    Selectors selectors;  // scene, meshlets, influences, ciKeys, ciMins
+    Selectors selectors;  // scene and words
     bool json = false;
 };
 int runInspect(const InspectOptions& options);
@@ -152,7 +144,7 @@ struct PartitionOptions {
 };
 int runPartition(const PartitionOptions& options);
 
-// The tables and figures of one of theses() (common/theses/reproduce.h).
+// The tables and figures of one thesis (common/theses/reproduce.h).
 struct ReproduceOptions {
     std::string thesis;
     std::vector<std::string> scenes;  // empty: the built-in ones

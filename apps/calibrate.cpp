@@ -10,23 +10,27 @@
 namespace skinbench {
 namespace {
 
-std::vector<MeshShape> shapesFor(const Case& which) {
-    std::vector<MeshShape> shapes;
-    for (JointSource joints : {JointSource::vertex, JointSource::staged})
-        for (bool clamped : {false, true})
-            for (bool ordered : {false, true})
-                for (bool uniform : {false, true}) shapes.push_back({joints, clamped, ordered, uniform});
-    // Shapes that the case cannot have on any device; what its device lacks is skipped when it is tried.
-    std::erase_if(shapes, [&](const MeshShape& shape) {
-        return (shape.joints == JointSource::staged && (sharesJointLists(which) || !feedsAttributes(*which.codec))) ||
-               (shape.uniformPalette && which.submission == Submission::batched);
-    });
-    return shapes;
+// Joints that a meshlet lists were nowhere the fastest, so they are not tried.
+AxisWords shapeWords() {
+    AxisWords words;
+    for (const Axis& axis : axes())
+        if (axis.shape) words[axis.name] = axis.words;
+    std::erase(words["joints"], "meshlet");
+    return words;
 }
 
-std::string baseId(Case which) {
-    which.shape = {};
-    return caseId(which);
+std::string baseId(Case c) {
+    for (const Axis& axis : axes())
+        if (axis.shape) SKINBENCH_ASSERT(axis.set(c, axis.usual).has_value());
+    return caseId(c);
+}
+
+// What no device can run in another shape; what this one lacks is skipped when it is tried.
+std::vector<Case> candidatesOf(const Case& c, const DeviceCaps& caps) {
+    auto candidates = crossCases({c}, shapeWords());
+    SKINBENCH_ASSERT(candidates.has_value());
+    std::erase_if(*candidates, [&](const Case& candidate) { return unsupported(candidate, caps).has_value(); });
+    return *candidates;
 }
 
 }  // namespace
@@ -40,27 +44,21 @@ Result<std::vector<Calibration>> calibrateShapes(Workload& workload, std::vector
     brief.limits = false;
     brief.selfTest = false;
     std::vector<Calibration> calibrations;
-    std::map<std::string, MeshShape> chosen;
+    std::map<std::string, Case> chosen;  // by baseId
     std::set<std::string> said;
-    for (Case& which : cases) {
-        const auto open = backends.find(which.route->api);
+    for (Case& c : cases) {
+        const auto open = backends.find(c.route->api);
         const bool there = open != backends.end() && open->second.backend;
-        if (which.route->dialect == MeshDialect::none || !which.variant->skins || !there) continue;
+        if (c.route->dialect == MeshDialect::none || !c.variant->skins || !there) continue;
         if (open->second.backend->caps().software) {
-            if (said.insert(which.route->name).second)
-                warn(std::string(which.route->name) +
-                     ": a software driver's times choose no shape; the given one stays");
+            if (said.insert(c.route->name).second)
+                warn(std::string(c.route->name) + ": a software driver's times choose no shape; the given one stays");
             continue;
         }
-        auto [entry, fresh] = chosen.try_emplace(baseId(which), which.shape);
+        auto [entry, fresh] = chosen.try_emplace(baseId(c), c);
         if (fresh) {
-            std::vector<Case> candidates;
-            for (const MeshShape& shape : shapesFor(which)) {
-                candidates.push_back(which);
-                candidates.back().shape = shape;
-            }
-            auto results = runBench(workload, candidates, backends, brief, {});
-            if (!results) return std::unexpected(results.error());
+            auto results = runBench(workload, candidatesOf(c, open->second.backend->caps()), backends, brief, {});
+            SKINBENCH_TRY(results);
             Calibration calibration;
             double fastest = 0;
             for (const CaseResult& result : *results) {
@@ -69,7 +67,7 @@ Result<std::vector<Calibration>> calibrateShapes(Workload& workload, std::vector
                 calibration.tried.emplace_back(result.id, median);
                 if (calibration.chosen.empty() || median < fastest) {
                     calibration.chosen = result.id;
-                    entry->second = result.which.shape;
+                    entry->second = result.theCase;
                     fastest = median;
                 }
             }
@@ -79,11 +77,11 @@ Result<std::vector<Calibration>> calibrateShapes(Workload& workload, std::vector
                 calibrations.push_back(std::move(calibration));
             }
         }
-        which.shape = entry->second;
+        c = entry->second;
     }
     // Lists of shapes that were crossed are one case now.
     std::set<std::string> known;
-    std::erase_if(cases, [&](const Case& which) { return !known.insert(caseId(which)).second; });
+    std::erase_if(cases, [&](const Case& c) { return !known.insert(caseId(c)).second; });
     return calibrations;
 }
 

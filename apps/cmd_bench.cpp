@@ -19,18 +19,19 @@ Result<void> writeResults(const std::string& folder, const nlohmann::ordered_jso
 
 std::vector<const Route*> routesOf(const std::vector<Case>& cases) {
     std::vector<const Route*> needed;
-    for (const Case& which : cases) needed.push_back(which.route);
+    for (const Case& c : cases) needed.push_back(c.route);
     return needed;
 }
 
 // "auto" stands for the best route of the devices that are there.
 Result<void> resolveAuto(Selectors& selectors) {
-    if (selectors.routes != std::vector<std::string>{"auto"}) return {};
+    std::vector<std::string>& routes = selectors.words["route"];
+    if (routes != std::vector<std::string>{"auto"}) return {};
     std::vector<DeviceCaps> all;
     for (Api api : graphicsApis())
         if (auto devices = listDevices(api)) all.insert(all.end(), devices->begin(), devices->end());
     const Choice choice = chooseRoute(all);
-    selectors.routes = {choice.route->name};
+    routes = {choice.route->name};
     std::cerr << "skinbench: route " << choice.route->name << ": " << choice.reason << "\n";
     return {};
 }
@@ -52,7 +53,7 @@ int selfTestStatus(const nlohmann::ordered_json& json) {
 int runCases(const RunOptions& options) {
     Selectors selectors = options.selectors;
     if (auto resolved = resolveAuto(selectors); !resolved) return reportError(resolved.error());
-    auto cases = crossCases(selectors);
+    auto cases = selectedCases(selectors);
     if (!cases) return reportError(cases.error());
     // Wrong settings are told before a device is opened, which takes a second.
     if (auto early = workloadSettings(selectors, false); !early) return reportError(early.error());

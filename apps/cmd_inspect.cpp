@@ -9,24 +9,22 @@
 namespace skinbench {
 namespace {
 
-// The selectors' own rules read the options: every case stands for one key.
-Result<InspectSettings> inspectSettings(Selectors selectors) {
-    selectors.routes = {"vk-ext"};
-    selectors.variants = {"mesh-ci"};
-    selectors.codecs = {"uc"};
-    selectors.builders = {builders().front().name};
-    selectors.layouts = {meshletLayouts().front().name};
-    selectors.ciGroupings = {ciGroupingName(CiGrouping::triangles)};
+// The axes' own rules read the options: every case is one key.
+Result<InspectSettings> inspectSettings(AxisWords words) {
+    words["route"] = {"vk-ext"};
+    words["variant"] = {"mesh-ci"};
+    words["builder"] = {builders().front().name};
+    words["ci_grouping"] = {ciGroupingName(CiGrouping::triangles)};
     InspectSettings settings;
-    if (selectors.ciKeys.empty())
-        for (CiKey key : settings.keys) selectors.ciKeys.push_back(ciKeyName(key));
-    auto cases = crossCases(selectors);
-    if (!cases) return std::unexpected(cases.error());
+    if (words["ci_key"].empty())
+        for (CiKey key : settings.keys) words["ci_key"].push_back(ciKeyName(key));
+    auto cases = crossCases(words);
+    SKINBENCH_TRY(cases);
     settings.limits = cases->front().limits;
     settings.influences = cases->front().influences;
-    settings.minVertices = cases->front().common.minVertices;
+    settings.minVertices = cases->front().ci.minVertices;
     settings.keys.clear();
-    for (const Case& which : *cases) settings.keys.push_back(which.common.key);
+    for (const Case& c : *cases) settings.keys.push_back(c.ci.key);
     return settings;
 }
 
@@ -103,7 +101,7 @@ void printCodecs(const Inspection& inspection) {
 }  // namespace
 
 int runInspect(const InspectOptions& options) {
-    auto settings = inspectSettings(options.selectors);
+    auto settings = inspectSettings(options.selectors.words);
     if (!settings) return reportError(settings.error());
     auto stored = loadScene(options.selectors.scene);
     if (!stored) return reportError(stored.error());

@@ -21,11 +21,11 @@ struct Request {
 
 Result<Request> lookUp(const PartitionOptions& options) {
     auto hardware = chosenRows(paletteHardware(), {options.hardware}, "hardware");
-    if (!hardware) return std::unexpected(hardware.error());
+    SKINBENCH_TRY(hardware);
     auto solver = chosenRows(partitionSolvers(), {options.solver}, "solver");
-    if (!solver) return std::unexpected(solver.error());
+    SKINBENCH_TRY(solver);
     auto order = chosenRows(groupOrders(), {options.order}, "order");
-    if (!order) return std::unexpected(order.error());
+    SKINBENCH_TRY(order);
     if (options.influences != 4 && options.influences != 8) return inputError("influences must be 4 or 8");
     Request request{*hardware->front(), solver->front(), order->front()};
     if (options.slots > 0) {
@@ -47,7 +47,7 @@ Result<Partitioned> partition(const PartitionOptions& options, const Request& re
     auto scene = loadScene(options.scene).and_then([&](Scene stored) {
         return prepareScene(std::move(stored), {.influences = options.influences});
     });
-    if (!scene) return std::unexpected(scene.error());
+    SKINBENCH_TRY(scene);
     for (const std::string& warning : scene->warnings) warn(scene->name + ": " + warning);
     const auto start = std::chrono::steady_clock::now();
     auto plan = partitionMesh(scene->mesh, request.hardware, *request.solver, *request.order);

@@ -17,11 +17,11 @@ Json routesJson(const DeviceCaps& caps) {
         if (route.api != caps.api) continue;
         for (const Variant& variant : variants()) {
             if (!runsOn(variant, route)) continue;
-            Case which;
-            which.codec = findCodec("uc");
-            which.route = &route;
-            which.variant = &variant;
-            const auto reason = unsupported(which, caps);
+            Case c;
+            c.codec = findCodec("uc");
+            c.route = &route;
+            c.variant = &variant;
+            const auto reason = unsupported(c, caps);
             rows.push_back({{"route", route.name},
                             {"variant", variant.name},
                             {"supported", !reason},

@@ -5,119 +5,110 @@
 
 #include <nlohmann/json.hpp>
 
-#include "apps/apps.h"
+#include "apps/selectors.h"
 #include "common/core/file.h"
 #include "common/theses/reproduce.h"
 
 namespace skinbench {
 namespace {
 
-struct Thesis {
-    const char* name;
-    Geometry geometry;  // its own
-    Reproduction (*reproduce)(const std::vector<ReproduceScene>& scenes);
-};
-
-const Thesis* findThesis(const std::string& name) {
-    static const Thesis rows[] = {{theses()[0], Geometry::welded, reproduceTorabi},
-                                  {theses()[1], Geometry::unwelded, reproduceKimmersdorfer}};
-    for (const Thesis& thesis : rows)
-        if (name == thesis.name) return &thesis;
-    return nullptr;
-}
-
 // --- which cases -----------------------------------------------------------------------------------------------
 
-// What every line of cases starts from: routes, raster modes and back faces as asked for, one value on all other axes.
-Selectors plainSelectors(const Selectors& given) {
-    Selectors s;
-    s.routes = given.routes;
-    s.preset = given.preset;
-    return s;
+// What every line of cases starts from: routes and raster modes as asked for, one value on all other axes.
+AxisWords plainWords(const Selectors& given) {
+    AxisWords words;
+    words["route"] = given.words.at("route");
+    words["raster"] = presetRasters(given);
+    return words;
 }
 
 // The crossings one behind the other, each case once.
-Result<std::vector<Case>> crossedOnce(const std::vector<Selectors>& all) {
+Result<std::vector<Case>> crossedOnce(const std::vector<AxisWords>& lines) {
     std::vector<Case> cases;
     std::set<std::string> known;
     std::optional<Error> firstError;
-    for (const Selectors& selectors : all) {
-        auto crossed = crossCases(selectors);
+    for (const AxisWords& words : lines) {
+        auto crossed = crossCases(words);
         if (!crossed && !firstError) firstError = crossed.error();
         if (!crossed) continue;
-        for (const Case& which : *crossed)
-            if (known.insert(caseId(which)).second) cases.push_back(which);
+        for (const Case& c : *crossed)
+            if (known.insert(caseId(c)).second) cases.push_back(c);
     }
     // A route may lack some of the lines; that it has none, or does not exist, is an error.
     if (cases.empty()) return std::unexpected(*firstError);
     return cases;
 }
 
-std::vector<Selectors> torabiCases(const Selectors& given, bool cacheOrder) {
-    Selectors s = plainSelectors(given);
-    s.builders = {"scan"};
-    s.fetches = {"attributes"};
-    s.ciGroupings = {ciGroupingName(CiGrouping::triangles)};
-    s.ciKeys = {ciKeyName(CiKey::ordered)};
-    s.variants = {"vertex", "mesh", "mesh-ci"};
-    if (!cacheOrder) return {s};
-    std::vector<Selectors> all;
-    s.variants = {"none", "vertex", "compute", "mesh", "mesh-ci"};
-    s.scenarios = {"direct", "prepass"};
-    all.push_back(s);
-    s.scenarios.clear();
-    Selectors pulling = s;
-    pulling.variants = {"vertex"};
-    pulling.fetches = {"pull"};
-    all.push_back(pulling);
-    Selectors culling = s;
-    culling.variants = {"mesh"};
-    culling.culls = {"torabi", "compact"};
-    all.push_back(culling);
-    Selectors fat = s;
-    fat.variants = {"mesh-ci"};
-    fat.ciVertices = {"fat"};
-    all.push_back(fat);
-    Selectors ours = plainSelectors(given);
-    ours.variants = {"mesh", "mesh-ci"};
-    all.push_back(ours);
-    return all;
+// `words` with other values on some axes.
+AxisWords with(AxisWords words, const AxisWords& others) {
+    for (const auto& [name, values] : others) words[name] = values;
+    return words;
 }
 
-std::vector<Selectors> kimmersdorferCases(const Selectors& given) {
-    Selectors mesh = plainSelectors(given);
-    mesh.variants = {"mesh"};
-    mesh.codecs = {"uc", "oss", "pc", "pdc8", "pdc16", "pdc32", "dpdc16"};
-    Selectors fixed = mesh;
-    fixed.codecs = {"uc", "pc"};
-    fixed.layouts = {"fixed"};
-    Selectors vertex = mesh;
-    vertex.variants = {"vertex"};
-    vertex.codecs = {"uc", "oss", "pc"};
-    vertex.fetches = {"pull"};
-    return {mesh, fixed, vertex};
+std::vector<AxisWords> torabiCases(const AxisWords& plain, bool cacheOrder) {
+    const AxisWords own = with(plain, {{"builder", {"scan"}},
+                                       {"vertex_fetch", {"attributes"}},
+                                       {"ci_grouping", {ciGroupingName(CiGrouping::triangles)}},
+                                       {"ci_key", {ciKeyName(CiKey::ordered)}},
+                                       {"variant", {"vertex", "mesh", "mesh-ci"}}});
+    if (!cacheOrder) return {own};
+    return {
+        with(own, {{"variant", {"none", "vertex", "compute", "mesh", "mesh-ci"}}, {"scenario", {"direct", "prepass"}}}),
+        with(own, {{"variant", {"vertex"}}, {"vertex_fetch", {"pull"}}}),
+        with(own, {{"variant", {"mesh"}}, {"cull", {"torabi", "compact"}}}),
+        with(own, {{"variant", {"mesh-ci"}}, {"ci_vertices", {"fat"}}}),
+        with(plain, {{"variant", {"mesh", "mesh-ci"}}})};
 }
 
+std::vector<AxisWords> kimmersdorferCases(const AxisWords& plain) {
+    return {with(plain, {{"variant", {"mesh"}}, {"codec", {"uc", "oss", "pc", "pdc8", "pdc16", "pdc32", "dpdc16"}}}),
+            with(plain, {{"variant", {"mesh"}}, {"codec", {"uc", "pc"}}, {"layout", {"fixed"}}}),
+            with(plain, {{"variant", {"vertex"}}, {"codec", {"uc", "oss", "pc"}}, {"vertex_fetch", {"pull"}}})};
+}
+
+// One prepared scene and the lines of cases that are timed on it.
 struct PlannedRun {
     Geometry geometry;
     bool cacheOrder;
-    std::vector<Case> cases;
+    std::vector<AxisWords> lines;
+    std::vector<Case> cases{};  // the lines, crossed
 };
 
-Result<std::vector<PlannedRun>> plannedRuns(const Thesis& thesis, const Selectors& given) {
-    std::vector<PlannedRun> runs;
-    auto add = [&](Geometry geometry, bool cacheOrder, const std::vector<Selectors>& lines) -> Result<void> {
-        auto cases = crossedOnce(lines);
-        if (!cases) return std::unexpected(cases.error());
-        runs.push_back({geometry, cacheOrder, std::move(*cases)});
-        return {};
+// With and without vertex-cache order.
+std::vector<PlannedRun> torabiRuns(const AxisWords& plain) {
+    return {{.geometry = Geometry::welded, .cacheOrder = true, .lines = torabiCases(plain, true)},
+            {.geometry = Geometry::welded, .cacheOrder = false, .lines = torabiCases(plain, false)}};
+}
+
+std::vector<PlannedRun> kimmersdorferRuns(const AxisWords& plain) {
+    return {{.geometry = Geometry::unwelded, .cacheOrder = true, .lines = kimmersdorferCases(plain)},
+            {.geometry = Geometry::welded, .cacheOrder = true, .lines = kimmersdorferCases(plain)}};
+}
+
+struct Thesis {
+    const char* name;
+    Reproduction (*reproduce)(const std::vector<ReproduceScene>& scenes);
+    std::vector<PlannedRun> (*runs)(const AxisWords& plain);
+    bool roundedErrors = false;  // its tables hold the errors of rounded attributes
+};
+
+const std::vector<Thesis>& thesisTable() {
+    static const std::vector<Thesis> rows = {
+        {.name = "torabi", .reproduce = reproduceTorabi, .runs = torabiRuns},
+        {.name = "kimmersdorfer",
+         .reproduce = reproduceKimmersdorfer,
+         .runs = kimmersdorferRuns,
+         .roundedErrors = true},
     };
-    const bool torabi = thesis.geometry == Geometry::welded;
-    for (bool first : {true, false}) {
-        // Torabi: with and without vertex-cache order. Kimmersdorfer: unwelded and welded.
-        auto added = torabi ? add(Geometry::welded, first, torabiCases(given, first))
-                            : add(first ? Geometry::unwelded : Geometry::welded, true, kimmersdorferCases(given));
-        if (!added) return std::unexpected(added.error());
+    return rows;
+}
+
+Result<std::vector<PlannedRun>> plannedRuns(const Thesis& thesis, const Selectors& given) {
+    std::vector<PlannedRun> runs = thesis.runs(plainWords(given));
+    for (PlannedRun& run : runs) {
+        auto cases = crossedOnce(run.lines);
+        SKINBENCH_TRY(cases);
+        run.cases = std::move(*cases);
     }
     return runs;
 }
@@ -147,7 +138,7 @@ struct Reproducing {
 Result<ReproduceRun> runPlanned(Reproducing& all, const ReproduceScene& before, Workload& workload,
                                 const PlannedRun& planned) {
     auto scene = sceneFor(workload, planned.cases.front().influences);
-    if (!scene) return std::unexpected(scene.error());
+    SKINBENCH_TRY(scene);
     RunContext context = runContext(all.devices, workload, **scene);
     context.bench = benchSettings(all.selectors, all.devices.anyHardware);
     context.bench.limits = false;  // no table has them
@@ -161,7 +152,7 @@ Result<ReproduceRun> runPlanned(Reproducing& all, const ReproduceScene& before, 
         return all.save(scene);
     });
     auto results = runBench(workload, planned.cases, all.devices.byApi, context.bench, events);
-    if (!results) return std::unexpected(results.error());
+    SKINBENCH_TRY(results);
     all.results.insert(all.results.end(), results->begin(), results->end());
     return runOf(*results);
 }
@@ -171,11 +162,11 @@ Result<ReproduceScene> runScene(Reproducing& all, Workload& given) {
     settings.keys = {CiKey::ordered, CiKey::set, CiKey::fit};
     std::cerr << "skinbench: " << given.stored.name << ": cutting and coding\n";
     auto inspection = inspectScene(given.stored, settings);
-    if (!inspection) return std::unexpected(inspection.error());
+    SKINBENCH_TRY(inspection);
     ReproduceScene scene{std::move(*inspection), {}, {}};
-    if (all.thesis.geometry == Geometry::unwelded) {
+    if (all.thesis.roundedErrors) {
         auto errors = roundedErrors(given.stored);
-        if (!errors) return std::unexpected(errors.error());
+        SKINBENCH_TRY(errors);
         scene.errors = std::move(*errors);
     }
     for (const PlannedRun& planned : all.runs) {
@@ -185,9 +176,9 @@ Result<ReproduceScene> runScene(Reproducing& all, Workload& given) {
         workloadSettings.prepare.geometry = planned.geometry;
         workloadSettings.prepare.cacheOrder = planned.cacheOrder;
         auto workload = makeWorkload(given.stored, given.shaders, workloadSettings);
-        if (!workload) return std::unexpected(workload.error());
+        SKINBENCH_TRY(workload);
         auto run = runPlanned(all, scene, *workload, planned);
-        if (!run) return std::unexpected(run.error());
+        SKINBENCH_TRY(run);
         scene.runs.push_back(std::move(*run));
     }
     return scene;
@@ -201,25 +192,24 @@ Result<nlohmann::ordered_json> writeAll(const ReproduceOptions& options, const T
     const std::pair<const char*, std::string> files[] = {{"/reproduce.json", json.dump(1) + "\n"},
                                                          {"/reproduce.md", reproduceMarkdown(reproduction, scenes)},
                                                          {"/reproduce.html", reproduceHtml(reproduction, scenes)}};
-    for (const auto& [name, text] : files)
-        if (auto written = writeWholeFile(options.out + name, text); !written) return std::unexpected(written.error());
+    for (const auto& [name, text] : files) SKINBENCH_TRY(writeWholeFile(options.out + name, text));
     return json;
 }
 
 std::vector<const Route*> routesOf(const std::vector<PlannedRun>& runs) {
     std::vector<const Route*> needed;
     for (const PlannedRun& run : runs)
-        for (const Case& which : run.cases) needed.push_back(which.route);
+        for (const Case& c : run.cases) needed.push_back(c.route);
     return needed;
 }
 
 }  // namespace
 
 int runReproduce(const ReproduceOptions& options) {
-    const Thesis* thesis = findThesis(options.thesis);
-    if (!thesis)
+    const auto thesis = std::ranges::find(thesisTable(), options.thesis, &Thesis::name);
+    if (thesis == thesisTable().end())
         return reportError(
-            {Fault::input, std::format("no thesis '{}'; there is {}, {}", options.thesis, theses()[0], theses()[1])});
+            {Fault::input, std::format("no thesis '{}'; there is {}", options.thesis, tableNames(thesisTable()))});
     Selectors selectors = options.selectors;
     auto early = plannedRuns(*thesis, selectors);
     if (!early) return reportError(early.error());

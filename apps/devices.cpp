@@ -66,14 +66,14 @@ Choice chooseRoute(const std::vector<DeviceCaps>& devices) {
     };
     for (bool software : {false, true})
         for (const Wish& wish : wishes) {
-            Case which;
-            which.codec = findCodec("uc");
-            which.route = findRoute(wish.route);
-            which.variant = findVariant(wish.variant);
+            Case c;
+            c.codec = findCodec("uc");
+            c.route = findRoute(wish.route);
+            c.variant = findVariant(wish.variant);
             for (const DeviceCaps& caps : devices)
-                if (caps.api == which.route->api && caps.software == software && !unsupported(which, caps))
+                if (caps.api == c.route->api && caps.software == software && !unsupported(c, caps))
                     return {
-                        which.route, which.variant,
+                        c.route, c.variant,
                         caps.name + ": " + wish.reason + (software ? " (a software driver; no GPU was found)" : "")};
         }
     return {findRoute("cpu"), findVariant("cpu"), "neither Vulkan nor OpenGL has a device here, so the CPU skins"};

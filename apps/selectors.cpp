@@ -12,7 +12,7 @@ struct Preset {
     const char* what;
     uint32_t copies, frames, warmup, rounds;
     double timeLimit;  // seconds
-    std::vector<const char*> rasters;
+    std::vector<std::string> rasters;
 };
 
 const std::vector<Preset>& presets() {
@@ -59,21 +59,36 @@ Result<std::pair<uint32_t, uint32_t>> parsePair(const std::string& text, char se
     if (middle == std::string::npos)
         return inputError(std::format("{} '{}' is not of the form A{}B", what, text, separator));
     auto a = parseNumber(text.substr(0, middle), what, most);
-    if (!a) return std::unexpected(a.error());
+    SKINBENCH_TRY(a);
     auto b = parseNumber(text.substr(middle + 1), what, most);
-    if (!b) return std::unexpected(b.error());
+    SKINBENCH_TRY(b);
     return std::pair{*a, *b};
 }
 
 std::string presetWords() { return tableNames(presets()); }
 std::string geometryWords() { return tableNames(kGeometries); }
 
-Result<std::vector<std::string>> chosenRasters(const Selectors& s) {
+std::vector<std::string> presetRasters(const Selectors& s) { return presetOf(s, false).rasters; }
+
+Result<std::vector<Case>> selectedCases(const Selectors& s) {
     if (!s.preset.empty() && std::ranges::none_of(presets(), [&](const Preset& p) { return s.preset == p.name; }))
         return inputError(std::format("no preset '{}'; there is {}", s.preset, presetWords()));
-    if (!s.rasters.empty()) return s.rasters;
-    const std::vector<const char*>& rasters = presetOf(s, false).rasters;
-    return std::vector<std::string>(rasters.begin(), rasters.end());
+    AxisWords words = s.words;
+    if (s.caseIds.empty()) {
+        if (words["raster"].empty()) words["raster"] = presetRasters(s);
+        return crossCases(words);
+    }
+    for (const auto& [name, values] : words)
+        if (!values.empty())
+            return inputError(
+                std::format("--case names whole cases, so --{} has no place beside it", findAxis(name)->option.name));
+    std::vector<Case> cases;
+    for (const std::string& id : s.caseIds) {
+        auto parsed = parseCaseId(id);
+        SKINBENCH_TRY(parsed);
+        cases.push_back(*parsed);
+    }
+    return cases;
 }
 
 Result<std::pair<uint32_t, uint32_t>> parseSize(const std::string& text) { return parsePair(text, 'x', "size", 16384); }
@@ -81,11 +96,11 @@ Result<std::pair<uint32_t, uint32_t>> parseSize(const std::string& text) { retur
 Result<WorkloadSettings> workloadSettings(const Selectors& s, bool anyHardware) {
     WorkloadSettings settings;
     auto size = parseSize(s.size);
-    if (!size) return std::unexpected(size.error());
+    SKINBENCH_TRY(size);
     settings.width = size->first;
     settings.height = size->second;
     auto geometry = chosenRows(kGeometries, {s.geometry}, "geometry");
-    if (!geometry) return std::unexpected(geometry.error());
+    SKINBENCH_TRY(geometry);
     settings.prepare.geometry = geometry->front()->value;
     settings.prepare.cacheOrder = !s.noCacheOrder;
     if (s.pose != "frozen" && s.pose != "animated")
@@ -118,11 +133,11 @@ BenchSettings benchSettings(const Selectors& s, bool anyHardware) {
 
 Result<Workload> openWorkload(const std::string& name, const WorkloadSettings& settings) {
     auto folder = findShaderFolder();
-    if (!folder) return std::unexpected(folder.error());
+    SKINBENCH_TRY(folder);
     auto shaders = loadShaders(*folder);
-    if (!shaders) return std::unexpected(shaders.error());
+    SKINBENCH_TRY(shaders);
     auto scene = loadScene(name);
-    if (!scene) return std::unexpected(scene.error());
+    SKINBENCH_TRY(scene);
     for (const std::string& warning : scene->warnings) warn(scene->name + ": " + warning);
     return makeWorkload(std::move(*scene), std::move(*shaders), settings);
 }

@@ -42,11 +42,10 @@ Result<std::vector<const Row*>> chosenRows(const std::vector<Row>& rows, const s
 Result<std::pair<uint32_t, uint32_t>> parsePair(const std::string& text, char separator, const char* what,
                                                 uint32_t most);
 
-// The raster modes that were named, or those of the preset; an unknown preset is an error.
-Result<std::vector<std::string>> chosenRasters(const Selectors& selectors);
+// The raster modes of the preset that was named, else of the usual one.
+std::vector<std::string> presetRasters(const Selectors& selectors);
 
 // Names of a list's words, for help texts and messages.
-std::string selectorWords(const std::string& option);
 std::string presetWords();
 std::string geometryWords();
 

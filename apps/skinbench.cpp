@@ -29,47 +29,57 @@ const CLI::Validator kFinite(
     },
     "");
 
-void addLists(CLI::App& command, Selectors& s) {
-    auto list = [&](const std::string& name, auto& into, const std::string& note) {
-        command.add_option("--" + name, into, selectorWords(name) + note)->delimiter(',')->allow_extra_args(false);
-    };
-    list("routes", s.routes, ", or auto (default: all)");
-    list("variants", s.variants, " (default: all)");
-    list("codecs", s.codecs, " (default: uc)");
-    list("builders", s.builders, " (default: meshopt)");
-    list("layouts", s.layouts, " (default: redirect)");
-    list("raster", s.rasters, " (default: full)");
-    list("vertex-fetch", s.fetches, " (default: both)");
-    list("submission", s.submissions, " (default: per-copy)");
-    list("index-writes", s.indexWrites, ", on NV routes (default: packed)");
-    list("meshlets", s.meshlets, ", or VERTICES/TRIANGLES at the most (default: 64/124)");
-    list("cull", s.culls, ": back faces, in the mesh stage (default: off)");
-    list("exchange", s.exchanges, ": how culling lanes see each other's positions (default: auto)");
-    list("scenario", s.scenarios, " (default: direct)");
-    list("joints", s.joints, ": where meshlet vertices name joints (default: vertex)");
-    list("loads", s.loads, ", of mesh stages (default: guarded)");
-    list("records", s.records, ", of mesh stages (default: indexed)");
-    list("palette", s.palettes, ", of mesh stages (default: storage)");
-    list("compute", s.computes, "; of the variant compute, joined with + (default: plain)");
-    list("ci-grouping", s.ciGroupings, ", of mesh-ci (default: meshlets)");
-    list("ci-key", s.ciKeys, ", of grouping triangles (default: fit)");
-    list("ci-vertices", s.ciVertices, ", of mesh-ci (default: slim)");
-    list("palette-slots", s.paletteSlots, "joints of one draw of the variant palette (default: 32)");
-    list("ci-min", s.ciMins, "fewest vertices of a common meshlet or group");
-    list("influences", s.influences, "4, 8 (default: 4)");
-    list("group-size", s.groupSizes, "invocations of a mesh work group (default: 32)");
+// "--palette-buffer,--palette"
+std::string spellings(const Axis& axis) {
+    std::string names = "--" + axis.option.name;
+    for (const std::string& alias : axis.option.aliases) names += ",--" + alias;
+    return names;
+}
+
+std::string helpOf(const Axis& axis) { return wordsOf(axis) + axis.option.help; }
+
+std::string usualOf(const Axis& axis) {
+    if (axis.name == "vertex_fetch") return " (default: both)";
+    return " (default: " + (axis.inPath && axis.usual.empty() ? "all" : axis.usual) + ")";
+}
+
+void addAxes(CLI::App& command, AxisWords& words) {
+    for (const Axis& axis : axes())
+        if (axis.benched)
+            command.add_option(spellings(axis), words[axis.name], helpOf(axis) + usualOf(axis))
+                ->delimiter(',')
+                ->allow_extra_args(false);
+}
+
+// One value of an axis, under the axis' own name.
+void addOne(CLI::App& command, AxisWords& words, const char* name) {
+    const Axis& axis = *findAxis(name);
+    std::string option = axis.name;
+    std::ranges::replace(option, '_', '-');
+    command.add_option("--" + option, words[name], helpOf(axis))->expected(1);
+}
+
+void addKeepBackFaces(CLI::App& command, AxisWords& words) {
+    command.add_flag_callback(
+        "--keep-back-faces", [&words] { words["back_faces"] = {"kept"}; }, "the same as --back-faces kept");
+}
+
+void addCases(CLI::App& command, std::vector<std::string>& ids) {
+    command.add_option("--case", ids, "exactly this case: an id that a table, a result file or a report shows")
+        ->allow_extra_args(false);
 }
 
 void addSelectors(CLI::App& command, Selectors& s) {
     command.add_option("scene", s.scene, "a .gltf or .glb file, or builtin:NAME[:VERTICES]")->capture_default_str();
-    addLists(command, s);
+    addAxes(command, s.words);
+    addCases(command, s.caseIds);
     command
         .add_option("--shape", s.shape, "given: as joints, loads, records and palette say; auto: the fastest of them")
         ->check(CLI::IsMember({"given", "auto"}))
         ->capture_default_str();
     command.add_option("--geometry", s.geometry, geometryWords())->capture_default_str();
     command.add_flag("--no-cache-order", s.noCacheOrder, "keep the file's triangle order");
-    command.add_flag("--keep-back-faces", s.keepBackFaces, "draw without the rasteriser's back-face culling");
+    addKeepBackFaces(command, s.words);
     command.add_option("--clip", s.clip, "name of the animation, or none (default: the first)");
     command.add_option("--pose", s.pose, "frozen or animated")->capture_default_str();
     command.add_option("--time", s.seconds, "seconds into the animation at the first frame")
@@ -139,11 +149,12 @@ void addRender(CLI::App& program, int& status) {
     CLI::App* command = program.add_subcommand("render", "draw one variant to a PNG file");
     Selectors& s = options->selectors;
     command->add_option("scene", s.scene, "a .gltf or .glb file, or builtin:NAME[:VERTICES]")->required();
-    command->add_option("--route", options->route, selectorWords("routes") + ", or auto")->capture_default_str();
-    command->add_option("--variant", options->variant, "default: mesh or vertex, as the route allows");
-    command->add_option("--codec", options->codec, selectorWords("codecs"))->capture_default_str();
-    command->add_option("--view", options->view, "shaded, meshlets, weights, tuples, velocity, resolution")
-        ->capture_default_str();
+    command->add_option("--route", options->route, helpOf(*findAxis("route")))->capture_default_str();
+    for (const char* axis : {"variant", "codec", "builder", "compute", "influences"}) addOne(*command, s.words, axis);
+    addKeepBackFaces(*command, s.words);
+    command->add_option("--case", s.caseIds, "exactly this case: an id of a table, a result file or a report")
+        ->expected(1);
+    command->add_option("--view", options->view, wordsOf(*findAxis("view")) + " (default: shaded)");
     command->add_option("--time", s.seconds, "seconds into the animation")
         ->check(kFinite & CLI::Range(0.0, 1e6))
         ->capture_default_str();
@@ -153,10 +164,6 @@ void addRender(CLI::App& program, int& status) {
     command->add_option("--yaw", options->yaw, "degrees that a single character is turned by")
         ->check(kFinite & CLI::Range(-360.0f, 360.0f))
         ->capture_default_str();
-    command->add_option("--builder", s.builders, selectorWords("builders"))->expected(1);
-    command->add_option("--compute", s.computes, selectorWords("compute") + "; joined with +")->expected(1);
-    command->add_option("--influences", s.influences, "4 or 8")->expected(1);
-    command->add_flag("--keep-back-faces", s.keepBackFaces, "draw without the rasteriser's back-face culling");
     command->add_option("--device", s.device, "number or part of the name; see probe");
     command->add_flag("--validation", s.validation, "validation layers and debug output");
     command->add_option("-o,--output", options->out, "the PNG file")->required();
@@ -168,12 +175,13 @@ void addInspect(CLI::App& program, int& status) {
     CLI::App* command = program.add_subcommand("inspect", "a scene's meshlets, codec errors and buffer sizes");
     Selectors& s = options->selectors;
     command->add_option("scene", s.scene, "a .gltf or .glb file, or builtin:NAME[:VERTICES]")->required();
-    command->add_option("--meshlets", s.meshlets, "VERTICES/TRIANGLES at the most (default: 64/124)")->expected(1);
-    command->add_option("--influences", s.influences, "4 or 8 (default: 4)")->expected(1);
-    command->add_option("--ci-key", s.ciKeys, selectorWords("ci-key") + " (default: ordered, fit)")
+    command->add_option("--meshlets", s.words["meshlet_limits"], "VERTICES/TRIANGLES at the most (default: 64/124)")
+        ->expected(1);
+    command->add_option("--influences", s.words["influences"], "4 or 8 (default: 4)")->expected(1);
+    command->add_option("--ci-key", s.words["ci_key"], wordsOf(*findAxis("ci_key")) + " (default: ordered, fit)")
         ->delimiter(',')
         ->allow_extra_args(false);
-    command->add_option("--ci-min", s.ciMins, "fewest vertices of a common meshlet or group")->expected(1);
+    command->add_option("--ci-min", s.words["ci_min"], findAxis("ci_min")->option.help)->expected(1);
     command->add_flag("--json", options->json, "print JSON");
     command->callback([options, &status] { status = runInspect(*options); });
 }
@@ -244,7 +252,7 @@ void addReproduce(CLI::App& program, int& status) {
     command->add_option("thesis", options->thesis, "torabi or kimmersdorfer")->required();
     command->add_option("scenes", options->scenes,
                         "glTF files or builtin:NAME[:VERTICES] (default: every built-in scene)");
-    command->add_option("--routes", s.routes, selectorWords("routes") + " (default: all)")
+    command->add_option("--routes", s.words["route"], wordsOf(*findAxis("route")) + " (default: all)")
         ->delimiter(',')
         ->allow_extra_args(false);
     command->add_option("--copies", s.copies, "characters, each with memory of its own (default: by device)")

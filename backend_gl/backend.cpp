@@ -94,7 +94,7 @@ GlBackend::GlBackend(std::unique_ptr<Context> context, Staging staging)
 Result<void> GlBackend::start() {
     if (!context_->caps.ext.available) return {};
     auto between = findStaleConstants(context_->drawMeshTasksExt, programs_, staging_);
-    if (!between) return std::unexpected(between.error());
+    SKINBENCH_TRY(between);
     betweenMeshDraws_ = *between;
     return {};
 }
@@ -136,15 +136,15 @@ Result<GlPlan*> GlBackend::findPlan(PlanId id) {
 }
 
 Result<PlanId> GlBackend::prepare(const FramePlan& plan) {
-    if (auto entered = enter(); !entered) return std::unexpected(entered.error());
-    if (auto checked = checkPlan(plan, caps()); !checked) return std::unexpected(checked.error());
+    SKINBENCH_TRY(enter());
+    SKINBENCH_TRY(checkPlan(plan, caps()));
     auto made = makeGlPlan(plan, programs_, staging_);
-    if (auto checked = checkLost(); !checked) return std::unexpected(checked.error());
-    if (!made) return std::unexpected(made.error());
+    SKINBENCH_TRY(checkLost());
+    SKINBENCH_TRY(made);
     std::pair size{plan.width, plan.height};
     if (made->draws && !targets_.contains(size)) {
         auto targets = makeTargets(plan.width, plan.height);
-        if (!targets) return std::unexpected(targets.error());
+        SKINBENCH_TRY(targets);
         targets_.emplace(size, std::move(*targets));
     }
     plans_.emplace(nextId_, std::move(*made));
@@ -174,7 +174,7 @@ Result<void> GlBackend::reserve(FrameBuffer& frame, uint64_t bytes, GLuint align
     frame.buffer = {};
     frame.capacity = 0;
     auto buffer = makeBuffer(needed, std::format("{}: a batch of {} frames", plan.label, frames));
-    if (!buffer) return std::unexpected(buffer.error());
+    SKINBENCH_TRY(buffer);
     frame.buffer = std::move(*buffer);
     frame.capacity = needed;
     return {};
@@ -418,13 +418,13 @@ Clock::duration GlBackend::recordBatch(const GlPlan& plan, std::span<const Frame
 }
 
 Result<std::vector<Timing>> GlBackend::run(PlanId id, std::span<const FrameInput> frames, RunMode mode) {
-    if (auto entered = enter(); !entered) return std::unexpected(entered.error());
+    SKINBENCH_TRY(enter());
     auto found = findPlan(id);
-    if (!found) return std::unexpected(found.error());
+    SKINBENCH_TRY(found);
     const GlPlan& plan = **found;
-    if (auto checked = checkFrames(plan, frames); !checked) return std::unexpected(checked.error());
+    SKINBENCH_TRY(checkFrames(plan, frames));
     if (frames.empty()) return std::vector<Timing>{};
-    if (auto uploaded = uploadFrames(plan, frames); !uploaded) return std::unexpected(uploaded.error());
+    SKINBENCH_TRY(uploadFrames(plan, frames));
 
     GlTargets* targets = plan.draws ? &targets_.at({plan.width, plan.height}) : nullptr;
     if (targets) targets->renderedBy = 0;
@@ -433,8 +433,7 @@ Result<std::vector<Timing>> GlBackend::run(PlanId id, std::span<const FrameInput
     const GlStream* written = plan.hostWritten();
     if (mode == RunMode::counted) {
         if (written) uploadSkinned(*written, frames.back());
-        if (caps().pipelineStatistics)
-            if (auto counted = countFrames(plan, timings); !counted) return std::unexpected(counted.error());
+        if (caps().pipelineStatistics) SKINBENCH_TRY(countFrames(plan, timings));
         return timings;
     }
     const size_t pairs = mode == RunMode::overlap ? 1 : plan.passes.size();
@@ -443,8 +442,8 @@ Result<std::vector<Timing>> GlBackend::run(PlanId id, std::span<const FrameInput
     auto start = Clock::now();
     glFlush();
     auto submit = Clock::now() - start;
-    if (auto waited = waitForDevice(frames.size()); !waited) return std::unexpected(waited.error());
-    if (auto checked = checkGl(plan.label, plan.bytes); !checked) return std::unexpected(checked.error());
+    SKINBENCH_TRY(waitForDevice(frames.size()));
+    SKINBENCH_TRY(checkGl(plan.label, plan.bytes));
 
     readTimes(pairs, timings);
     for (Timing& timing : timings) {
@@ -456,9 +455,9 @@ Result<std::vector<Timing>> GlBackend::run(PlanId id, std::span<const FrameInput
 }
 
 Result<Image> GlBackend::readImage(PlanId id) {
-    if (auto entered = enter(); !entered) return std::unexpected(entered.error());
+    SKINBENCH_TRY(enter());
     auto found = findPlan(id);
-    if (!found) return std::unexpected(found.error());
+    SKINBENCH_TRY(found);
     const GlPlan& plan = **found;
     if (!plan.draws) return inputError(plan.label + ": the plan draws no image");
     const GlTargets& targets = targets_.at({plan.width, plan.height});
@@ -468,22 +467,22 @@ Result<Image> GlBackend::readImage(PlanId id) {
     image.rgba.resize(size_t{4} * plan.width * plan.height);
     glGetTextureImage(targets.color.id(), 0, GL_RGBA, GL_UNSIGNED_BYTE, static_cast<GLsizei>(image.rgba.size()),
                       image.rgba.data());
-    if (auto checked = checkLost(); !checked) return std::unexpected(checked.error());
-    if (auto checked = checkGl(plan.label, image.rgba.size()); !checked) return std::unexpected(checked.error());
+    SKINBENCH_TRY(checkLost());
+    SKINBENCH_TRY(checkGl(plan.label, image.rgba.size()));
     return image;
 }
 
 Result<std::vector<std::byte>> GlBackend::readStream(PlanId id, uint32_t slot) {
-    if (auto entered = enter(); !entered) return std::unexpected(entered.error());
+    SKINBENCH_TRY(enter());
     auto found = findPlan(id);
-    if (!found) return std::unexpected(found.error());
+    SKINBENCH_TRY(found);
     const GlPlan& plan = **found;
     auto stream = std::ranges::find(plan.streams, slot, &GlStream::slot);
     if (stream == plan.streams.end()) return inputError(std::format("{}: there is no stream {}", plan.label, slot));
     std::vector<std::byte> bytes(stream->bytes);
     staging_.read(stream->buffer, bytes);
-    if (auto checked = checkLost(); !checked) return std::unexpected(checked.error());
-    if (auto checked = checkGl(plan.label, stream->bytes); !checked) return std::unexpected(checked.error());
+    SKINBENCH_TRY(checkLost());
+    SKINBENCH_TRY(checkGl(plan.label, stream->bytes));
     return bytes;
 }
 
@@ -491,7 +490,7 @@ Result<std::vector<std::byte>> GlBackend::readStream(PlanId id, uint32_t slot) {
 
 Result<std::vector<DeviceCaps>> listGlDevices() {
     auto contexts = openContexts(false);
-    if (!contexts) return std::unexpected(contexts.error());
+    SKINBENCH_TRY(contexts);
     std::vector<DeviceCaps> devices;
     for (const auto& context : contexts->list) devices.push_back(context->caps);
     return devices;
@@ -499,7 +498,7 @@ Result<std::vector<DeviceCaps>> listGlDevices() {
 
 Result<std::unique_ptr<Backend>> openGl(const BackendOptions& options) {
     auto contexts = openContexts(options.validation);
-    if (!contexts) return std::unexpected(contexts.error());
+    SKINBENCH_TRY(contexts);
     if (contexts->list.empty())
         return deviceError(
             std::format("OpenGL: no device gives a context ({}); update the graphics driver", contexts->refusal));
@@ -509,12 +508,12 @@ Result<std::unique_ptr<Backend>> openGl(const BackendOptions& options) {
     if (!picked) return std::unexpected(Error{picked.error().fault, "OpenGL: " + picked.error().text});
     std::unique_ptr<Context> context = std::move(contexts->list[*picked]);
     contexts->list.clear();
-    if (auto current = context->makeCurrent(); !current) return std::unexpected(current.error());
+    SKINBENCH_TRY(context->makeCurrent());
     dropGlErrors();
     auto staging = Staging::make();
-    if (!staging) return std::unexpected(staging.error());
+    SKINBENCH_TRY(staging);
     auto backend = std::make_unique<GlBackend>(std::move(context), std::move(*staging));
-    if (auto started = backend->start(); !started) return std::unexpected(started.error());
+    SKINBENCH_TRY(backend->start());
     return backend;
 }
 

@@ -138,7 +138,7 @@ Result<std::unique_ptr<Context>> openContext(EGLDisplay handle, bool debug) {
         if (context->surface == EGL_NO_SURFACE)
             return deviceError("EGL makes neither surfaceless contexts nor pbuffers");
     }
-    if (auto current = context->makeCurrent(); !current) return std::unexpected(current.error());
+    SKINBENCH_TRY(context->makeCurrent());
     if (gladLoadGL(eglGetProcAddress) == 0) return deviceError("the OpenGL functions could not be loaded");
 
     context->caps = queryCaps();

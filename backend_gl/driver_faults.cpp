@@ -59,7 +59,7 @@ struct TestTargets {
 
 Result<TestTargets> bindTestTargets() {
     auto targets = makeTargets(1, 1);
-    if (!targets) return std::unexpected(targets.error());
+    SKINBENCH_TRY(targets);
     GLuint vertexArray = 0;
     glCreateVertexArrays(1, &vertexArray);
     glBindVertexArray(vertexArray);
@@ -78,9 +78,9 @@ Result<LinkedProgram> findStaleConstants(DrawMeshTasksExt drawMeshTasksExt, Prog
     auto linked = programs.get(program);
     if (!linked) return linked;
     auto seen = makeBuffer(4, "OpenGL: a test buffer");
-    if (!seen) return std::unexpected(seen.error());
+    SKINBENCH_TRY(seen);
     auto bound = bindTestTargets();
-    if (!bound) return std::unexpected(bound.error());
+    SKINBENCH_TRY(bound);
 
     glBindBufferBase(GL_SHADER_STORAGE_BUFFER, 0, seen->id());
     glUseProgram(linked->id);
@@ -92,7 +92,7 @@ Result<LinkedProgram> findStaleConstants(DrawMeshTasksExt drawMeshTasksExt, Prog
     }
     std::array<GLuint, 1> value{};
     staging.read(*seen, std::as_writable_bytes(std::span(value)));
-    if (auto checked = checkGl("OpenGL: a first mesh shader", 4); !checked) return std::unexpected(checked.error());
+    SKINBENCH_TRY(checkGl("OpenGL: a first mesh shader", 4));
     return value[0] == kLast ? LinkedProgram{} : *linked;
 }
 

@@ -27,7 +27,7 @@ Result<GlBuffer> makeBuffer(uint64_t bytes, const std::string& what) {
     glCreateBuffers(1, &id);
     GlBuffer buffer(id);
     glNamedBufferStorage(id, static_cast<GLsizeiptr>(std::max<uint64_t>(bytes, 4)), nullptr, 0);
-    if (auto checked = checkGl(what, bytes); !checked) return std::unexpected(checked.error());
+    SKINBENCH_TRY(checkGl(what, bytes));
     return buffer;
 }
 
@@ -46,7 +46,7 @@ Result<Staging> Staging::make() {
     staging.buffer_ = GlBuffer(id);
     glNamedBufferStorage(id, kBytes, nullptr, kAccess | GL_CLIENT_STORAGE_BIT);
     staging.memory_ = static_cast<std::byte*>(glMapNamedBufferRange(id, 0, kBytes, kAccess));
-    if (auto checked = checkGl("OpenGL: the staging buffer", kBytes); !checked) return std::unexpected(checked.error());
+    SKINBENCH_TRY(checkGl("OpenGL: the staging buffer", kBytes));
     if (!staging.memory_) return deviceError("OpenGL: the staging buffer cannot be mapped");
     return staging;
 }

@@ -182,7 +182,7 @@ Result<GlPlan> makeGlPlan(const FramePlan& plan, ProgramCache& programs, Staging
     for (const Stream& stream : plan.streams) {
         uint64_t bytes = streamBytes(stream);
         auto buffer = makeBuffer(bytes, std::format("{}: stream {}", plan.label, stream.slot));
-        if (!buffer) return std::unexpected(buffer.error());
+        SKINBENCH_TRY(buffer);
         if (stream.bytes)
             staging.write(*buffer, 0, bytes,
                           [&](uint64_t at, std::span<std::byte> out) { fillReplicas(stream, at, out); });
@@ -193,7 +193,7 @@ Result<GlPlan> makeGlPlan(const FramePlan& plan, ProgramCache& programs, Staging
     for (size_t i = 0; i < linked.size(); ++i)
         made.programs.push_back({linked[i], makeVertexArray(plan.programs[i], made)});
     staging.finish();
-    if (auto checked = checkGl(plan.label, made.bytes); !checked) return std::unexpected(checked.error());
+    SKINBENCH_TRY(checkGl(plan.label, made.bytes));
     return made;
 }
 
@@ -214,7 +214,7 @@ Result<GlTargets> makeTargets(uint32_t width, uint32_t height) {
     glNamedFramebufferTexture(id, GL_COLOR_ATTACHMENT0, targets.color.id(), 0);
     glNamedFramebufferTexture(id, GL_DEPTH_ATTACHMENT, targets.depth.id(), 0);
     std::string what = std::format("OpenGL: an image of {} x {} pixels", width, height);
-    if (auto checked = checkGl(what, uint64_t{width} * height * 8); !checked) return std::unexpected(checked.error());
+    SKINBENCH_TRY(checkGl(what, uint64_t{width} * height * 8));
     if (glCheckNamedFramebufferStatus(id, GL_FRAMEBUFFER) != GL_FRAMEBUFFER_COMPLETE)
         return deviceError(what + " is no complete framebuffer; use a smaller one");
     return targets;

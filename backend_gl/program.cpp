@@ -81,7 +81,7 @@ Result<GlProgramObject> link(const Program& program) {
     std::vector<GlShader> shaders;
     for (const ShaderText& text : program.stages) {
         auto shader = compile(text);
-        if (!shader) return std::unexpected(shader.error());
+        SKINBENCH_TRY(shader);
         shaders.push_back(std::move(*shader));
     }
     GlProgramObject object(glCreateProgram());
@@ -105,7 +105,7 @@ Result<LinkedProgram> ProgramCache::get(const Program& program) {
     auto found = entries_.find(key);
     if (found == entries_.end()) {
         auto object = link(program);
-        if (!object) return std::unexpected(object.error());
+        SKINBENCH_TRY(object);
         GLint constants = glGetUniformLocation(object->id(), "drawConstants");
         found = entries_.emplace(std::move(key), Entry{std::move(*object), constants}).first;
     }

@@ -85,9 +85,9 @@ Result<PlanId> VulkanBackend::prepare(const FramePlan& plan) {
     SKINBENCH_TRY(usable());
     SKINBENCH_TRY(checkPlan(*device_, plan));
     auto target = targetFor(plan);
-    if (!target) return std::unexpected(target.error());
+    SKINBENCH_TRY(target);
     auto objects = makePlanObjects(*device_, pipelineCache_, plan, std::move(*target));
-    if (!objects) return std::unexpected(objects.error());
+    SKINBENCH_TRY(objects);
     plans_.emplace(nextPlan_, std::move(*objects));
     return nextPlan_++;
 }
@@ -122,7 +122,7 @@ Result<double> VulkanBackend::copySkinned(Plan& plan, std::span<const std::byte>
     if (!skinned.empty()) std::memcpy(plan.hostStaging.mapped, skinned.data(), skinned.size());
     SKINBENCH_TRY(flush(*device_, plan.hostStaging));
     auto commands = beginCommands(*device_);
-    if (!commands) return std::unexpected(commands.error());
+    SKINBENCH_TRY(commands);
     const VkBufferCopy region{0, 0, stream.buffer.bytes};
     device_->vk.vkCmdCopyBuffer(*commands, plan.hostStaging.handle, stream.buffer.handle, 1, &region);
     fullBarrier(*device_, *commands);
@@ -257,7 +257,7 @@ Result<void> VulkanBackend::runBatch(const Plan& plan, size_t first, std::span<T
     SKINBENCH_TRY(needQueries(count));
     const auto start = Clock::now();
     auto commands = beginCommands(*device_);
-    if (!commands) return std::unexpected(commands.error());
+    SKINBENCH_TRY(commands);
     if (count) device_->vk.vkCmdResetQueryPool(*commands, queries_, 0, count);
     fullBarrier(*device_, *commands);
     for (uint32_t i = 0; i < timings.size(); ++i) {
@@ -269,7 +269,7 @@ Result<void> VulkanBackend::runBatch(const Plan& plan, size_t first, std::span<T
     SKINBENCH_TRY(endCommands(*device_));
     const double record = elapsedMs(start);
     auto submit = submitAndWait(*device_, [&] { return count ? queriesDone(count) : 0; });
-    if (!submit) return std::unexpected(submit.error());
+    SKINBENCH_TRY(submit);
     for (Timing& timing : timings) {
         timing.record = record / static_cast<double>(timings.size());
         timing.submit = *submit / static_cast<double>(timings.size());
@@ -295,9 +295,9 @@ Result<void> VulkanBackend::countBatch(const Plan& plan, size_t first, std::span
     if (!device_->caps.pipelineStatistics) return {};
     const auto frames = static_cast<uint32_t>(timings.size());
     auto counters = makeCounterQueries(*device_, plan, frames);
-    if (!counters) return std::unexpected(counters.error());
+    SKINBENCH_TRY(counters);
     auto commands = beginCommands(*device_);
-    if (!commands) return std::unexpected(commands.error());
+    SKINBENCH_TRY(commands);
     resetCounters(**counters, *commands, frames);
     fullBarrier(*device_, *commands);
     for (uint32_t i = 0; i < frames; ++i) {
@@ -308,7 +308,7 @@ Result<void> VulkanBackend::countBatch(const Plan& plan, size_t first, std::span
     SKINBENCH_TRY(submitAndWait(*device_));
     for (uint32_t i = 0; i < frames; ++i) {
         auto read = readCounters(**counters, i);
-        if (!read) return std::unexpected(read.error());
+        SKINBENCH_TRY(read);
         timings[i].counters = *read;
     }
     return {};
@@ -351,7 +351,7 @@ Result<std::vector<Timing>> VulkanBackend::run(PlanId id, std::span<const FrameI
     }
     for (size_t i = 0; i < frames.size(); ++i) {
         auto milliseconds = copySkinned(plan, frames[i].skinned);
-        if (!milliseconds) return std::unexpected(milliseconds.error());
+        SKINBENCH_TRY(milliseconds);
         SKINBENCH_TRY(batch(i, std::span(timings).subspan(i, 1)));
         timings[i].upload = *milliseconds;
     }
@@ -391,9 +391,9 @@ std::vector<std::string> VulkanBackend::takeMessages() {
 
 Result<std::unique_ptr<Backend>> openVulkan(const BackendOptions& options) {
     auto device = vulkan::openDevice(options);
-    if (!device) return std::unexpected(device.error());
+    SKINBENCH_TRY(device);
     auto cache = vulkan::openPipelineCache(**device);
-    if (!cache) return std::unexpected(cache.error());
+    SKINBENCH_TRY(cache);
     return std::make_unique<vulkan::VulkanBackend>(std::move(*device), *cache);
 }
 

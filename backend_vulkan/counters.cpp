@@ -77,11 +77,11 @@ Result<std::unique_ptr<CounterQueries>> makeCounterQueries(Device& device, const
         PassQueries& made = queries->passes.emplace_back();
         made.flags = statisticsOf(device, plan, pass.kind);
         auto statistics = makePool(device, VK_QUERY_TYPE_PIPELINE_STATISTICS, made.flags, frames);
-        if (!statistics) return std::unexpected(statistics.error());
+        SKINBENCH_TRY(statistics);
         made.statistics = *statistics;
         if (!(made.flags & VK_QUERY_PIPELINE_STATISTIC_MESH_SHADER_INVOCATIONS_BIT_EXT)) continue;
         auto primitives = makePool(device, VK_QUERY_TYPE_MESH_PRIMITIVES_GENERATED_EXT, 0, frames);
-        if (!primitives) return std::unexpected(primitives.error());
+        SKINBENCH_TRY(primitives);
         made.meshPrimitives = *primitives;
     }
     return queries;
@@ -118,13 +118,12 @@ Result<Counters> readCounters(const CounterQueries& queries, uint32_t frame) {
                                                          VK_QUERY_RESULT_64_BIT | VK_QUERY_RESULT_WAIT_BIT),
                          "read the pipeline statistics");
         };
-        if (auto done = read(pass.statistics, static_cast<size_t>(std::popcount(pass.flags))); !done)
-            return std::unexpected(done.error());
+        SKINBENCH_TRY(read(pass.statistics, static_cast<size_t>(std::popcount(pass.flags))));
         size_t place = 0;
         for (const Statistic& statistic : kStatistics)
             if (pass.flags & statistic.bit) add(counters.*statistic.value, values[place++]);
         if (!pass.meshPrimitives) continue;
-        if (auto done = read(pass.meshPrimitives, 1); !done) return std::unexpected(done.error());
+        SKINBENCH_TRY(read(pass.meshPrimitives, 1));
         add(counters.meshPrimitives, values[0]);
     }
     return counters;

@@ -109,7 +109,7 @@ Result<void> createCommands(Device& device) {
 
 Result<Adapter> chooseAdapter(const Instance& instance, const std::string& wanted) {
     auto adapters = listAdapters(instance);
-    if (!adapters) return std::unexpected(adapters.error());
+    SKINBENCH_TRY(adapters);
     if (adapters->empty())
         return deviceError("Vulkan: no device on this machine; install the driver of your GPU, or Mesa's lavapipe");
     std::vector<DeviceCaps> all;
@@ -146,10 +146,10 @@ Device::~Device() {
 Result<std::unique_ptr<Device>> openDevice(const BackendOptions& options) {
     auto device = std::make_unique<Device>();
     auto instance = openInstance(options.validation);
-    if (!instance) return std::unexpected(instance.error());
+    SKINBENCH_TRY(instance);
     device->instance = std::move(*instance);
     auto adapter = chooseAdapter(*device->instance, options.device);
-    if (!adapter) return std::unexpected(adapter.error());
+    SKINBENCH_TRY(adapter);
     device->adapter = std::move(*adapter);
     device->caps = device->adapter.caps;
 

@@ -316,9 +316,9 @@ namespace skinbench {
 
 Result<std::vector<DeviceCaps>> listVulkanDevices() {
     auto instance = vulkan::openInstance(false);
-    if (!instance) return std::unexpected(instance.error());
+    SKINBENCH_TRY(instance);
     auto adapters = vulkan::listAdapters(**instance);
-    if (!adapters) return std::unexpected(adapters.error());
+    SKINBENCH_TRY(adapters);
     std::vector<DeviceCaps> all;
     for (vulkan::Adapter& adapter : *adapters) all.push_back(std::move(adapter.caps));
     return all;

@@ -12,12 +12,6 @@
 
 #include "common/frame/backend.h"
 
-// Hands an error on to the caller.
-#define SKINBENCH_TRY(expression)                                                                \
-    do {                                                                                         \
-        if (auto tried = (expression); !tried) return std::unexpected(std::move(tried.error())); \
-    } while (0)
-
 namespace skinbench::vulkan {
 
 // Filled from the validation layer's threads.

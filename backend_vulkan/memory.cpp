@@ -156,7 +156,7 @@ Result<void> upload(Device& device, const Buffer& target, uint64_t bytes, const 
         fill({device.staging.mapped, part}, from);
         SKINBENCH_TRY(flush(device, device.staging));
         auto commands = beginCommands(device);
-        if (!commands) return std::unexpected(commands.error());
+        SKINBENCH_TRY(commands);
         const VkBufferCopy region{0, from, part};
         device.vk.vkCmdCopyBuffer(*commands, device.staging.handle, target.handle, 1, &region);
         fullBarrier(device, *commands);
@@ -168,7 +168,7 @@ Result<void> upload(Device& device, const Buffer& target, uint64_t bytes, const 
 
 Result<void> fillZero(Device& device, const Buffer& target) {
     auto commands = beginCommands(device);
-    if (!commands) return std::unexpected(commands.error());
+    SKINBENCH_TRY(commands);
     device.vk.vkCmdFillBuffer(*commands, target.handle, 0, VK_WHOLE_SIZE, 0);
     fullBarrier(device, *commands);
     SKINBENCH_TRY(endCommands(device));
@@ -182,7 +182,7 @@ Result<std::vector<std::byte>> download(Device& device, const Buffer& source, ui
     for (uint64_t from = 0; from < bytes; from += kChunkBytes) {
         const uint64_t part = std::min(kChunkBytes, bytes - from);
         auto commands = beginCommands(device);
-        if (!commands) return std::unexpected(commands.error());
+        SKINBENCH_TRY(commands);
         const VkBufferCopy region{from, 0, part};
         device.vk.vkCmdCopyBuffer(*commands, source.handle, device.readback.handle, 1, &region);
         SKINBENCH_TRY(finishDownload(device));
@@ -212,7 +212,7 @@ Result<std::shared_ptr<Target>> createTarget(Device& device, VkExtent2D size) {
     SKINBENCH_TRY(createAttachment(*target, kDepthFormat, VK_IMAGE_USAGE_DEPTH_STENCIL_ATTACHMENT_BIT,
                                    VK_IMAGE_ASPECT_DEPTH_BIT, target->depth, target->depthMemory, target->depthView));
     auto commands = beginCommands(device);
-    if (!commands) return std::unexpected(commands.error());
+    SKINBENCH_TRY(commands);
     imageBarrier(device, target->color, VK_IMAGE_ASPECT_COLOR_BIT, VK_IMAGE_LAYOUT_UNDEFINED,
                  VK_IMAGE_LAYOUT_COLOR_ATTACHMENT_OPTIMAL);
     imageBarrier(device, target->depth, VK_IMAGE_ASPECT_DEPTH_BIT, VK_IMAGE_LAYOUT_UNDEFINED,
@@ -233,7 +233,7 @@ Result<Image> downloadImage(Device& device, const Target& target) {
     for (uint32_t row = 0; row < height; row += rowsAtOnce) {
         const uint32_t rows = std::min(rowsAtOnce, height - row);
         auto commands = beginCommands(device);
-        if (!commands) return std::unexpected(commands.error());
+        SKINBENCH_TRY(commands);
         imageBarrier(device, target.color, VK_IMAGE_ASPECT_COLOR_BIT, VK_IMAGE_LAYOUT_COLOR_ATTACHMENT_OPTIMAL,
                      VK_IMAGE_LAYOUT_TRANSFER_SRC_OPTIMAL);
         VkBufferImageCopy region{};

@@ -116,7 +116,7 @@ struct Stages {
 Result<void> compileStages(Stages& stages, const Program& program) {
     for (const ShaderText& shader : program.stages) {
         auto words = compileGlsl(shader);
-        if (!words) return std::unexpected(words.error());
+        SKINBENCH_TRY(words);
         VkShaderModuleCreateInfo info{VK_STRUCTURE_TYPE_SHADER_MODULE_CREATE_INFO};
         info.codeSize = (*words)->size() * sizeof(uint32_t);
         info.pCode = (*words)->data();

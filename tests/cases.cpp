@@ -5,171 +5,111 @@
 #include <cstdlib>
 #include <filesystem>
 #include <numbers>
+#include <set>
 
 namespace skinbench {
 namespace fs = std::filesystem;
 
 namespace {
 
-bool onMeshRoute(const Case& which) { return which.route->dialect != MeshDialect::none; }
-
-Case plainCase(const Route& route, const Variant& variant, const Codec& codec) {
-    Case which;
-    which.route = &route;
-    which.variant = &variant;
-    which.codec = &codec;
-    if (onMeshRoute(which)) {
-        which.builder = findBuilder("meshopt");
-        which.layout = findMeshletLayout("redirect");
-    } else if (variant.fetches && !feedsAttributes(codec)) {
-        which.fetch = VertexFetch::pull;
-    }
-    return which;
-}
-
-// What every variant has: influences, submission, and a second value of whatever the route offers.
-void addCommon(std::vector<Case>& cases, const Case& plain) {
-    for (int influences : {4, 8})
-        for (Submission submission : {Submission::perCopy, Submission::batched})
-            for (bool second : {false, true}) {
-                Case which = plain;
-                which.influences = influences;
-                which.submission = submission;
-                if (usesPartition(which) && submission == Submission::batched) continue;
-                if (second && onMeshRoute(which)) {
-                    which.builder = findBuilder("scan");
-                    which.packedWrites = false;
-                } else if (second && which.variant->fetches) {
-                    which.fetch = VertexFetch::pull;
-                }
-                cases.push_back(which);
-            }
-}
-
-void addViews(std::vector<Case>& cases, const Case& plain) {
-    for (View view : {View::meshlets, View::weights, View::tuples, View::resolution}) {
-        Case which = plain;
-        which.view = view;
-        if (onMeshRoute(which) || (view != View::meshlets && which.variant->fetches)) cases.push_back(which);
-    }
-}
-
-// One option at a time, and a few together.
-void addMeshOptions(std::vector<Case>& cases, const Case& plain) {
-    auto add = [&](auto change) {
-        Case which = plain;
-        change(which);
-        cases.push_back(which);
+// Options that meet in one shader or one buffer, beside each on its own.
+const std::vector<AxisWords>& together() {
+    static const std::vector<AxisWords> all = {
+        {{"builder", {"scan"}},
+         {"index_writes", {"single"}},
+         {"vertex_fetch", {"pull"}},
+         {"influences", {"4", "8"}},
+         {"submission", {"per-copy", "batched"}}},
+        {{"cull", {"compact", "primitive", "torabi"}},
+         {"exchange", {"shared", "shuffle"}},
+         {"scenario", {"direct", "prepass"}}},
+        {{"cull", {"compact"}}, {"meshlet_limits", {"128/256"}}, {"scenario", {"direct", "prepass"}}},
+        {{"scenario", {"prepass"}}, {"submission", {"batched"}}},
+        {{"records", {"ordered"}}, {"layout", {"fixed"}}},
+        {{"records", {"ordered"}}, {"palette", {"uniform"}}},
+        {{"joints", {"meshlet", "staged"}}, {"influences", {"8"}}},
+        {{"joints", {"meshlet", "staged"}},
+         {"loads", {"clamped"}},
+         {"records", {"ordered"}},
+         {"palette", {"uniform"}},
+         {"cull", {"compact"}},
+         {"influences", {"4", "8"}}},
+        {{"ci_grouping", {"triangles"}}, {"ci_key", {"ordered"}}},
+        {{"ci_grouping", {"triangles"}}, {"ci_min", {"4"}}, {"influences", {"8"}}},
+        {{"compute", {"staged+packed", "previous+half-rate"}}},
+        {{"compute", {"staged", "previous", "tangents", "early-exit", "packed", "half-rate"}},
+         {"scenario", {"prepass"}}},
+        {{"compute", {"staged+previous+tangents+early-exit+packed+half-rate"}},
+         {"scenario", {"direct", "prepass"}},
+         {"influences", {"4", "8"}}},
+        {{"compute", {"early-exit"}}, {"influences", {"8"}}},
+        {{"compute", {"previous+tangents+early-exit+packed+half-rate"}}, {"submission", {"batched"}}},
+        {{"compute", {"previous", "staged+previous+tangents+early-exit+packed+half-rate"}}, {"view", {"velocity"}}},
     };
-    add([](Case& c) { c.layout = findMeshletLayout("fixed"); });
-    add([](Case& c) { c.shape.clampedLoads = true; });
-    add([](Case& c) { c.shape.orderedRecords = true; });
-    add([](Case& c) { c.shape.orderedRecords = true, c.layout = findMeshletLayout("fixed"); });
-    if (!plain.variant->skins) return;
-    add([](Case& c) { c.shape.uniformPalette = true; });
-    for (Scenario scenario : {Scenario::direct, Scenario::prepass}) {
-        for (Cull cull : {Cull::compact, Cull::primitive, Cull::torabi})
-            if (cull != Cull::primitive || plain.route->dialect == MeshDialect::ext)
-                add([&](Case& c) { c.cull = cull, c.scenario = scenario, c.exchange = Exchange::shared; });
-        add([&](Case& c) { c.cull = Cull::compact, c.scenario = scenario, c.exchange = Exchange::shuffle; });
-        add([&](Case& c) { c.cull = Cull::compact, c.scenario = scenario, c.limits = {128, 256}; });
-    }
-    add([](Case& c) { c.scenario = Scenario::prepass, c.submission = Submission::batched; });
-    if (sharesJointLists(plain)) {
-        add([](Case& c) { c.common.fat = true; });
-        add([](Case& c) { c.common.grouping = CiGrouping::triangles, c.common.key = CiKey::ordered; });
-        add([](Case& c) { c.common.grouping = CiGrouping::triangles, c.common.minVertices = 4, c.influences = 8; });
-        return;
-    }
-    for (JointSource joints : {JointSource::meshlet, JointSource::staged})
-        for (int influences : {4, 8}) {
-            add([&](Case& c) { c.shape.joints = joints, c.influences = influences; });
-            add([&](Case& c) {
-                c.shape = {joints, true, true, true}, c.influences = influences, c.cull = Cull::compact;
-            });
-        }
+    return all;
 }
 
-// Each option alone and all together, with whatever else changes the same shaders.
-void addComputeOptions(std::vector<Case>& cases, const Case& plain) {
-    auto add = [&](const ComputeOptions& options, auto change) {
-        Case which = plain;
-        which.compute = options;
-        change(which);
-        cases.push_back(which);
-    };
-    const ComputeOptions all{true, true, true, true, true, true}, unstaged{false, true, true, true, true, true};
-    auto nothing = [](Case&) {};
-    add(all, nothing);
-    add({.earlyExit = true}, nothing);
-    if (!feedsAttributes(*plain.codec)) return;
-    for (const ComputeWord& word : computeWords()) {
-        ComputeOptions options;
-        options.*word.option = true;
-        if (word.option != &ComputeOptions::earlyExit) add(options, nothing);
-        add(options, [](Case& c) { c.scenario = Scenario::prepass; });
-    }
-    add({.staged = true, .packed = true}, nothing);
-    add({.previous = true, .halfRate = true}, nothing);
-    add(all, [](Case& c) { c.scenario = Scenario::prepass; });
-    add(all, [](Case& c) { c.influences = 8; });
-    add({.earlyExit = true}, [](Case& c) { c.influences = 8; });
-    add(unstaged, [](Case& c) { c.submission = Submission::batched; });
-    add({.previous = true}, [](Case& c) { c.view = View::velocity; });
-    add(all, [](Case& c) { c.view = View::velocity; });
+// What a view needs beside a device.
+bool isSeen(const Case& c) {
+    if (c.view == View::shaded) return true;
+    if (c.view == View::velocity) return c.compute.previous;
+    return c.builder || (c.view != View::meshlets && c.variant->fetches);
+}
+
+struct Collected {
+    std::vector<Case> cases;
+    std::set<std::string> known;
+};
+
+void collect(Collected& all, const Case& plain, const AxisWords& words) {
+    const auto crossed = crossCases({plain}, words);
+    SKINBENCH_ASSERT(crossed.has_value());
+    for (const Case& c : *crossed)
+        if (isSeen(c) && !unsupported(c, generousCaps(c.route->api)) && all.known.insert(caseId(c)).second)
+            all.cases.push_back(c);
+}
+
+// Codecs that attributes cannot carry meet few options that the uncompressed one does not.
+bool concernsPackedCodecs(const std::string& axis) {
+    return axis == "influences" || axis == "scenario" || axis == "compute" || axis == "records" || axis == "palette";
+}
+
+bool concernsPackedCodecs(const AxisWords& words) {
+    return std::ranges::all_of(words, [](const auto& named) { return concernsPackedCodecs(named.first); });
 }
 
 }  // namespace
 
 std::vector<Case> everyCase() {
-    std::vector<Case> cases;
-    for (const Route& route : routes())
-        for (const Variant& variant : variants()) {
-            if (!runsOn(variant, route) || route.api == Api::cpu) continue;
-            for (const Codec& codec : codecs()) {
-                const Case plain = plainCase(route, variant, codec);
-                if (feedsAttributes(codec)) {
-                    addCommon(cases, plain);
-                    addViews(cases, plain);
-                    if (onMeshRoute(plain)) addMeshOptions(cases, plain);
-                    if (&variant == findVariant("compute")) addComputeOptions(cases, plain);
-                    if (variant.prepasses && !onMeshRoute(plain)) {
-                        cases.push_back(plain);
-                        cases.back().scenario = Scenario::prepass;
-                    }
-                    continue;
-                }
-                if (variant.onCpuRoute || unsupported(plain, generousCaps(route.api))) continue;
-                cases.push_back(plain);
-                if (variant.prepasses) {
-                    cases.push_back(plain);
-                    cases.back().scenario = Scenario::prepass;
-                }
-                if (&variant == findVariant("compute")) addComputeOptions(cases, plain);
-                if (onMeshRoute(plain) && variant.skins) {
-                    cases.push_back(plain);
-                    cases.back().shape.orderedRecords = true;
-                    cases.back().shape.uniformPalette = true;
-                }
-                if (codec.name != std::string("uc16") && codec.name != std::string("pc")) continue;
-                cases.push_back(plain);
-                cases.back().influences = 8;
-            }
-        }
-    return cases;
+    const auto plain = crossCases({{"codec", findAxis("codec")->words}, {"vertex_fetch", {"attributes"}}});
+    SKINBENCH_ASSERT(plain.has_value());
+    Collected all;
+    for (Case c : *plain) {
+        if (c.route->api == Api::cpu) continue;
+        if (!c.codec->feedsAttributes && c.variant->fetches && !onMeshRoute(c)) c.fetch = VertexFetch::pull;
+        collect(all, c, {});
+        for (const Axis& axis : axes())
+            if (!axis.words.empty() && !axis.inPath && axis.changes != Changes::raster &&
+                (c.codec->feedsAttributes || concernsPackedCodecs(axis.name)))
+                collect(all, c, {{axis.name, axis.words}});
+        if (c.codec->feedsAttributes) collect(all, c, {{"layout", {"fixed"}}});
+        for (const AxisWords& words : together())
+            if (c.codec->feedsAttributes || concernsPackedCodecs(words)) collect(all, c, words);
+    }
+    return std::move(all.cases);
 }
 
 Case makeCase(const char* route, const char* variant, const char* codec) {
-    Case which;
-    which.route = findRoute(route);
-    which.variant = findVariant(variant);
-    which.codec = findCodec(codec);
-    SKINBENCH_ASSERT(which.route && which.variant && which.codec);
-    if (onMeshRoute(which)) {
-        which.builder = findBuilder("meshopt");
-        which.layout = findMeshletLayout("redirect");
+    Case c;
+    c.route = findRoute(route);
+    c.variant = findVariant(variant);
+    c.codec = findCodec(codec);
+    SKINBENCH_ASSERT(c.route && c.variant && c.codec);
+    if (onMeshRoute(c)) {
+        c.builder = findBuilder("meshopt");
+        c.layout = findMeshletLayout("redirect");
     }
-    return which;
+    return c;
 }
 
 DeviceCaps generousCaps(Api api) {

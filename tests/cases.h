@@ -8,7 +8,8 @@
 
 namespace skinbench {
 
-// Every route, variant, codec and option that changes a shader or a plan.
+// Every route, variant and codec, each with every value of every axis, and some values together. Raster modes
+// share everything with the first of them and are left out.
 std::vector<Case> everyCase();
 
 // Everything else at its default; meshopt and redirect on mesh routes.

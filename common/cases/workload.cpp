@@ -33,114 +33,94 @@ Result<const Scene*> sceneFor(Workload& workload, int influences) {
         PrepareOptions options = workload.settings.prepare;
         options.influences = influences;
         Result<Scene> scene = prepareScene(workload.stored, options);
-        if (!scene) return std::unexpected(scene.error());
+        SKINBENCH_TRY(scene);
         kept = std::make_unique<Scene>(std::move(*scene));
         workload.bounds[influences] = clipBounds(*kept, chosenClip(workload));
     }
     return kept.get();
 }
 
-static std::string meshletWords(const Case& which) {
-    return std::format("{} influences, {} {}/{}", which.influences, which.builder->name, which.limits.vertices,
-                       which.limits.triangles);
-}
-
-static Result<const MeshletMesh*> meshletsFor(Workload& workload, const Case& which, const Scene& scene) {
-    std::unique_ptr<MeshletMesh>& kept = workload.meshlets[meshletWords(which)];
+static Result<const MeshletMesh*> meshletsFor(Workload& workload, const Case& c, const Scene& scene) {
+    std::unique_ptr<MeshletMesh>& kept = workload.meshlets[keyOf(c, Changes::meshlets)];
     if (!kept) {
-        auto built = std::make_unique<MeshletMesh>(which.builder->build(scene.mesh, which.limits));
+        auto built = std::make_unique<MeshletMesh>(c.builder->build(scene.mesh, c.limits));
         if (auto right = checkMeshlets(scene.mesh, *built); !right)
-            return inputError(std::string(which.builder->name) + ": " + right.error().text);
+            return inputError(std::string(c.builder->name) + ": " + right.error().text);
         kept = std::move(built);
     }
     return kept.get();
 }
 
-// Empty: the scene's own vertices.
-static std::string recordWords(const Case& which) {
-    if (usesPartition(which)) return std::format("{} influences, {} slots", which.influences, which.paletteSlots);
-    if (!which.builder) return {};
-    std::string words;
-    if (sharesJointLists(which))
-        words = std::format("common {} {} {}", ciGroupingName(which.common.grouping), ciKeyName(which.common.key),
-                            which.common.minVertices);
-    if (which.shape.orderedRecords) words += " ordered";
-    return words.empty() ? words : meshletWords(which) + " " + words;
-}
-
-static Result<Records> partition(const Case& which, const Mesh& mesh) {
+static Result<Records> partition(const Case& c, const Mesh& mesh) {
     PaletteHardware hardware = *findPaletteHardware("generic");
-    hardware.slots = which.paletteSlots;
+    hardware.slots = c.paletteSlots;
     auto plan = partitionMesh(mesh, hardware, *findPartitionSolver("cheapest-insertion"), *findGroupOrder("given"));
-    if (!plan) return std::unexpected(plan.error());
-    if (auto right = checkPartition(mesh, *plan); !right) return std::unexpected(right.error());
+    SKINBENCH_TRY(plan);
+    SKINBENCH_TRY(checkPartition(mesh, *plan));
     return partitionedRecords(mesh, *plan);
 }
 
-static Result<Records> makeRecords(Workload& workload, const Case& which, const Scene& scene) {
-    if (usesPartition(which)) return partition(which, scene.mesh);
-    if (!sharesJointLists(which)) {
-        auto meshlets = meshletsFor(workload, which, scene);
-        if (!meshlets) return std::unexpected(meshlets.error());
+static Result<Records> makeRecords(Workload& workload, const Case& c, const Scene& scene) {
+    if (usesPartition(c)) return partition(c, scene.mesh);
+    if (!sharesJointLists(c)) {
+        auto meshlets = meshletsFor(workload, c, scene);
+        SKINBENCH_TRY(meshlets);
         return orderedRecords(scene.mesh, **meshlets);
     }
-    const CommonInfluenceCut cut =
-        buildCommonInfluences(scene.mesh, {which.builder, which.limits, which.influences, which.common.grouping,
-                                           which.common.key, which.common.minVertices});
+    const CommonInfluenceCut cut = buildCommonInfluences(
+        scene.mesh, {c.builder, c.limits, c.influences, c.ci.grouping, c.ci.key, c.ci.minVertices});
     if (auto right = checkCommonInfluences(scene.mesh, cut); !right)
         return inputError("common influences: " + right.error().text);
     const Records records = commonRecords(cut);
-    return which.shape.orderedRecords ? orderedRecords(records) : records;
+    return c.shape.orderedRecords ? orderedRecords(records) : records;
 }
 
-static Result<const Records*> recordsFor(Workload& workload, const Case& which, const Scene& scene) {
-    const std::string words = recordWords(which);
-    if (words.empty()) return nullptr;
-    std::unique_ptr<Records>& kept = workload.records[words];
+static Result<const Records*> recordsFor(Workload& workload, const Case& c, const Scene& scene) {
+    if (storesSceneVertices(c)) return nullptr;
+    std::unique_ptr<Records>& kept = workload.records[keyOf(c, Changes::records)];
     if (!kept) {
-        auto made = makeRecords(workload, which, scene);
-        if (!made) return std::unexpected(made.error());
+        auto made = makeRecords(workload, c, scene);
+        SKINBENCH_TRY(made);
         kept = std::make_unique<Records>(std::move(*made));
     }
     return kept.get();
 }
 
-static Result<EncodedMesh> encode(const Case& which, const Mesh& mesh, const PlanInput& input) {
-    if (!storesSlim(which)) return which.codec->encode(mesh, input.meshlets, which.influences);
-    const bool lists = sharesJointLists(which);
-    const auto slim = lists ? input.records->commonRecords : static_cast<uint32_t>(mesh.positions.size());
-    EncodedMesh encoded = encodeSlim(mesh, slim, lists && which.common.fat, which.influences);
-    if (lists) encoded.meshletExtra = toBytes(packJointLists(input.records->joints, which.influences));
+static Result<EncodedMesh> encode(const Case& c, const Mesh& mesh, const PlanInput& input) {
+    EncodeInput in{mesh, input.meshlets, c.influences};
+    const bool lists = storesSlim(c) && sharesJointLists(c);
+    if (storesSlim(c))
+        in.slimRecords = lists ? input.records->commonRecords : static_cast<uint32_t>(mesh.positions.size());
+    in.fat = lists && c.ci.fat;
+    auto encoded = storedCodec(c).encode(in);
+    if (encoded && lists) encoded->meshletExtra = toBytes(packJointLists(input.records->joints, c.influences));
     return encoded;
 }
 
-Result<PlanInput> planInput(Workload& workload, const Case& which) {
+Result<PlanInput> planInput(Workload& workload, const Case& c) {
     PlanInput input;
     input.shaders = &workload.shaders;
     input.copies = workload.settings.copies;
     input.width = workload.settings.width;
     input.height = workload.settings.height;
-    auto scene = sceneFor(workload, which.influences);
-    if (!scene) return std::unexpected(scene.error());
+    auto scene = sceneFor(workload, c.influences);
+    SKINBENCH_TRY(scene);
     input.scene = *scene;
-    auto records = recordsFor(workload, which, **scene);
-    if (!records) return std::unexpected(records.error());
+    auto records = recordsFor(workload, c, **scene);
+    SKINBENCH_TRY(records);
     input.records = *records;
-    if (which.builder && input.records) {
+    if (c.builder && input.records) {
         input.meshlets = &input.records->meshlets;
-    } else if (which.builder) {
-        auto meshlets = meshletsFor(workload, which, **scene);
-        if (!meshlets) return std::unexpected(meshlets.error());
+    } else if (c.builder) {
+        auto meshlets = meshletsFor(workload, c, **scene);
+        SKINBENCH_TRY(meshlets);
         input.meshlets = *meshlets;
     }
 
-    std::string words = std::format("{} {} {}", which.codec->name, which.influences, recordWords(which));
-    if (which.codec->needsMeshlets) words += " of " + meshletWords(which);
-    if (storesSlim(which)) words += which.common.fat ? " fat" : " slim";
-    std::unique_ptr<EncodedMesh>& kept = workload.encoded[words];
+    std::unique_ptr<EncodedMesh>& kept = workload.encoded[keyOf(c, Changes::encoding)];
     if (!kept) {
-        auto encoded = encode(which, input.records ? input.records->mesh : (*scene)->mesh, input);
-        if (!encoded) return std::unexpected(encoded.error());
+        auto encoded = encode(c, input.records ? input.records->mesh : (*scene)->mesh, input);
+        SKINBENCH_TRY(encoded);
         kept = std::make_unique<EncodedMesh>(std::move(*encoded));
     }
     input.encoded = kept.get();
@@ -150,7 +130,7 @@ Result<PlanInput> planInput(Workload& workload, const Case& which) {
 
 Result<FrameData> makeFrame(Workload& workload, int influences, uint32_t frame) {
     auto scene = sceneFor(workload, influences);
-    if (!scene) return std::unexpected(scene.error());
+    SKINBENCH_TRY(scene);
     const WorkloadSettings& settings = workload.settings;
     const Clip* clip = chosenClip(workload);
     const double seconds = settings.seconds + (settings.animated ? frame / 60.0 : 0);

@@ -6,6 +6,7 @@
 #include <memory>
 #include <tuple>
 
+#include "common/cases/axes.h"
 #include "common/cases/camera.h"
 #include "common/plans/variant.h"
 
@@ -27,7 +28,7 @@ struct Workload {
     ShaderLibrary shaders;
     Scene stored;
 
-    // Keys: what of a case changes the content, as words.
+    // By keyOf: what of a case changes the content.
     std::map<int, std::unique_ptr<Scene>> prepared;
     std::map<std::string, std::unique_ptr<MeshletMesh>> meshlets;
     std::map<std::string, std::unique_ptr<Records>> records;
@@ -42,7 +43,7 @@ Result<Workload> makeWorkload(Scene scene, ShaderLibrary shaders, const Workload
 Result<const Scene*> sceneFor(Workload& workload, int influences);
 
 // Everything a plan of the case needs; `capture` is left false.
-Result<PlanInput> planInput(Workload& workload, const Case& which);
+Result<PlanInput> planInput(Workload& workload, const Case& c);
 
 const Clip* chosenClip(const Workload& workload);
 

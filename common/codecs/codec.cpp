@@ -1,34 +1,86 @@
 #include "common/codecs/codec.h"
 
+#include <format>
+
 namespace skinbench {
 
 const std::vector<Codec>& codecs() {
     static const std::vector<Codec> rows = {
-        {"uc", "uncompressed floats, 64 bytes a vertex", "codecs/uc.glsl", false, encodeUncompressed},
-        {"uc16", "quantised, 16-bit joints and weights, 30 bytes", "codecs/uc16.glsl", false, encodeUc16},
-        {"oss", "optimal simplex sampling in 16 bits, 18 bytes", "codecs/oss.glsl", false, encodeOss16},
-        {"oss22", "the same in 22 bits, at most 1024 tuples, 18 bytes", "codecs/oss.glsl", false, encodeOss22},
-        {"pc", "permutation coding, 18 bytes (8 influences: 22)", "codecs/pc.glsl", false, encodePc},
-        {"pdc8", "pc as meshlet differences of whole bytes", "codecs/pdc.glsl", true, encodePdc8},
-        {"pdc16", "pc as meshlet differences of 0, 2 or 4 bytes", "codecs/pdc.glsl", true, encodePdc16},
-        {"pdc32", "pc, or one blend for a whole meshlet", "codecs/pdc32.glsl", true, encodePdc32},
-        {"dpdc16", "pdc16 with sorted and merged tuples", "codecs/dpdc16.glsl", true, encodeDpdc16},
+        {.name = "uc",
+         .what = "uncompressed floats, 64 bytes a vertex",
+         .shader = "codecs/uc.glsl",
+         .feedsAttributes = true,
+         .takesSlots = true,
+         .slim = "uc_slim",
+         .encode = encodeUncompressed},
+        {.name = "uc16",
+         .what = "quantised, 16-bit joints and weights, 30 bytes",
+         .shader = "codecs/uc16.glsl",
+         .encode = encodeUc16},
+        {.name = "oss",
+         .what = "optimal simplex sampling in 16 bits, 18 bytes",
+         .shader = "codecs/oss.glsl",
+         .mostInfluences = 4,
+         .encode = encodeOss16},
+        {.name = "oss22",
+         .what = "the same in 22 bits, at most 1024 tuples, 18 bytes",
+         .shader = "codecs/oss.glsl",
+         .mostInfluences = 4,
+         .encode = encodeOss22},
+        {.name = "pc",
+         .what = "permutation coding, 18 bytes (8 influences: 22)",
+         .shader = "codecs/pc.glsl",
+         .encode = encodePc},
+        {.name = "pdc8",
+         .what = "pc as meshlet differences of whole bytes",
+         .shader = "codecs/pdc.glsl",
+         .needsMeshlets = true,
+         .mostInfluences = 4,
+         .encode = encodePdc8},
+        {.name = "pdc16",
+         .what = "pc as meshlet differences of 0, 2 or 4 bytes",
+         .shader = "codecs/pdc.glsl",
+         .needsMeshlets = true,
+         .mostInfluences = 4,
+         .encode = encodePdc16},
+        {.name = "pdc32",
+         .what = "pc, or one blend for a whole meshlet",
+         .shader = "codecs/pdc32.glsl",
+         .needsMeshlets = true,
+         .mostInfluences = 4,
+         .encode = encodePdc32},
+        {.name = "dpdc16",
+         .what = "pdc16 with sorted and merged tuples",
+         .shader = "codecs/dpdc16.glsl",
+         .needsMeshlets = true,
+         .mostInfluences = 4,
+         .encode = encodeDpdc16},
     };
     return rows;
 }
 
-// Not in codecs(): seven bit budgets of one codec would crowd every table, and `ids` codes no mesh.
+// Not in codecs(): seven bit budgets of one codec would crowd every table, `ids` codes no mesh, and `uc_slim` follows
+// from where the joints are.
 static const std::vector<Codec>& otherCodecs() {
     constexpr const char* what = "permutation coding fitted to the mesh's number of tuples";
     static const std::vector<Codec> rows = {
-        {"pc16", what, "codecs/pc.glsl", false, encodePcBits<16>},
-        {"pc24", what, "codecs/pc.glsl", false, encodePcBits<24>},
-        {"pc32", what, "codecs/pc.glsl", false, encodePcBits<32>},
-        {"pc40", what, "codecs/pc.glsl", false, encodePcBits<40>},
-        {"pc48", what, "codecs/pc.glsl", false, encodePcBits<48>},
-        {"pc56", what, "codecs/pc.glsl", false, encodePcBits<56>},
-        {"pc64", what, "codecs/pc.glsl", false, encodePcBits<64>},
-        {"ids", "no bytes: positions that follow from vertex numbers", "codecs/ids.glsl", false, encodeIds},
+        {.name = "pc16", .what = what, .shader = "codecs/pc.glsl", .encode = encodePcBits<16>},
+        {.name = "pc24", .what = what, .shader = "codecs/pc.glsl", .encode = encodePcBits<24>},
+        {.name = "pc32", .what = what, .shader = "codecs/pc.glsl", .encode = encodePcBits<32>},
+        {.name = "pc40", .what = what, .shader = "codecs/pc.glsl", .encode = encodePcBits<40>},
+        {.name = "pc48", .what = what, .shader = "codecs/pc.glsl", .encode = encodePcBits<48>},
+        {.name = "pc56", .what = what, .shader = "codecs/pc.glsl", .encode = encodePcBits<56>},
+        {.name = "pc64", .what = what, .shader = "codecs/pc.glsl", .encode = encodePcBits<64>},
+        {.name = "ids",
+         .what = "no bytes: positions that follow from vertex numbers",
+         .shader = "codecs/ids.glsl",
+         .storesJoints = false,
+         .encode = encodeIds},
+        {.name = "uc_slim",
+         .what = "uc, joint ids in the meshlets",
+         .shader = "codecs/uc_slim.glsl",
+         .needsMeshlets = true,
+         .encode = encodeSlim},
     };
     return rows;
 }
@@ -40,7 +92,11 @@ const Codec* findCodec(const std::string& name) {
     return nullptr;
 }
 
-bool feedsAttributes(const Codec& codec) { return codec.encode == encodeUncompressed; }
+std::optional<std::string> cannotHold(const Codec& codec, int influences) {
+    if (influences <= codec.mostInfluences) return std::nullopt;
+    return std::format("codec {} holds {} influences a vertex; choose {} influences, uc, uc16 or pc", codec.name,
+                       codec.mostInfluences, codec.mostInfluences);
+}
 
 Mesh decodeOnCpu(const Mesh& mesh, const EncodedMesh& encoded) {
     if (encoded.decode) return encoded.decode();

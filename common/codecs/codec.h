@@ -44,22 +44,35 @@ struct EncodedMesh {
     std::optional<CodecBounds> bounds;  // empty where decode is null, or nothing is promised
 };
 
+// What an encoder is given. `slimRecords` and `fat` are for codecs that some row's `slim` names.
+struct EncodeInput {
+    const Mesh& mesh;                       // prepared with `influences` influences
+    const MeshletMesh* meshlets = nullptr;  // null on routes without mesh shaders
+    int influences = 4;                     // 4 or 8
+    uint32_t slimRecords = 0;               // the first ones, whose joints their meshlet lists
+    bool fat = false;                       // they keep joint ids that nothing reads
+};
+
 struct Codec {
     const char* name;
     const char* what;
-    const char* shader;  // below shaders_glsl/
-    bool needsMeshlets;  // decodes only in mesh stages
-    // `mesh` is prepared with `influences` influences (4 or 8); `meshlets` is null for routes without mesh shaders.
-    Result<EncodedMesh> (*encode)(const Mesh& mesh, const MeshletMesh* meshlets, int influences);
+    const char* shader;            // below shaders_glsl/
+    bool needsMeshlets = false;    // decodes in mesh stages only
+    bool feedsAttributes = false;  // fixed-function vertex attributes can carry it
+    bool storesJoints = true;      // skinned vertices can be made from it
+    bool takesSlots = false;       // its joint ids may be slots of a small palette
+    int mostInfluences = 8;
+    const char* slim = nullptr;    // codec of the same vertices where meshlets list the joints; null: there is none
+    Result<EncodedMesh> (*encode)(const EncodeInput& in);
 };
 
 // The codecs that `all` stands for. findCodec also knows pc16, pc24 … pc64: permutation codes of that many bits, fitted
-// to the mesh's number of tuples; and ids, which stores nothing (limitCase).
+// to the mesh's number of tuples; ids, which stores nothing (limitCase); and those that a row's `slim` names.
 const std::vector<Codec>& codecs();
 const Codec* findCodec(const std::string& name);
 
-// Whether fixed-function vertex attributes can carry the codec.
-bool feedsAttributes(const Codec& codec);
+// Why the codec cannot hold that many influences; empty: it can.
+std::optional<std::string> cannotHold(const Codec& codec, int influences);
 
 // What a shader sees after decoding: the vertex arrays, one element an encoded vertex, in single precision that a GPU
 // matches to a few units in the last place; no indices. Reads the encoded bytes, not the mesh, where a codec loses any.
@@ -67,33 +80,37 @@ Mesh decodeOnCpu(const Mesh& mesh, const EncodedMesh& encoded);
 
 // --- encoders --------------------------------------------------------------------------------------------------
 
-// Uncompressed, 64 bytes with 4 influences (Kimmersdorfer 3.3) and 96 with 8; shaders_glsl/codecs/uc.glsl draws it.
+// Uncompressed, 64 bytes with 4 influences (Kimmersdorfer 3.3) and 96 with 8; shaders_glsl/codecs/uc.glsl reads it.
 // Irrelevant influences are stored as joint 0 with weight 0, so that reading the palette needs no test.
-Result<EncodedMesh> encodeUncompressed(const Mesh& mesh, const MeshletMesh* meshlets, int influences);
+Result<EncodedMesh> encodeUncompressed(const EncodeInput& in);
 
 // Quantised attributes in 14 bytes and u16 joints and unorm16 weights behind them: 30 bytes, 46 with 8 influences.
-Result<EncodedMesh> encodeUc16(const Mesh& mesh, const MeshletMesh* meshlets, int influences);
+Result<EncodedMesh> encodeUc16(const EncodeInput& in);
 
 // Optimal Simplex Sampling, 4 influences, 18 bytes: a code of 16 bits with 65536 tuples, or of 22 bits with 1024.
-Result<EncodedMesh> encodeOss16(const Mesh& mesh, const MeshletMesh* meshlets, int influences);
-Result<EncodedMesh> encodeOss22(const Mesh& mesh, const MeshletMesh* meshlets, int influences);
+Result<EncodedMesh> encodeOss16(const EncodeInput& in);
+Result<EncodedMesh> encodeOss22(const EncodeInput& in);
 
 // Permutation Coding with 65536 tuples: 32 bits and 18 bytes, 64 bits and 22 bytes with 8 influences.
-Result<EncodedMesh> encodePc(const Mesh& mesh, const MeshletMesh* meshlets, int influences);
+Result<EncodedMesh> encodePc(const EncodeInput& in);
 
 // Permutation Coding in `bits` (16, 24 … 64) for exactly as many tuples as the mesh has: 14 + bits / 8 bytes.
 template <int bits>
-Result<EncodedMesh> encodePcBits(const Mesh& mesh, const MeshletMesh* meshlets, int influences);
+Result<EncodedMesh> encodePcBits(const EncodeInput& in);
 
 // Meshlet difference encoding, 4 influences (common/codecs/differences.h). Vertices are split where meshlets cannot
 // share them; `meshlets` must not be null. dpdc16 counts 8192 merged tuples, or 16384 with coarser weights where a mesh
 // needs them.
-Result<EncodedMesh> encodePdc8(const Mesh& mesh, const MeshletMesh* meshlets, int influences);
-Result<EncodedMesh> encodePdc16(const Mesh& mesh, const MeshletMesh* meshlets, int influences);
-Result<EncodedMesh> encodePdc32(const Mesh& mesh, const MeshletMesh* meshlets, int influences);
-Result<EncodedMesh> encodeDpdc16(const Mesh& mesh, const MeshletMesh* meshlets, int influences);
+Result<EncodedMesh> encodePdc8(const EncodeInput& in);
+Result<EncodedMesh> encodePdc16(const EncodeInput& in);
+Result<EncodedMesh> encodePdc32(const EncodeInput& in);
+Result<EncodedMesh> encodeDpdc16(const EncodeInput& in);
+
+// Uncompressed as encodeUncompressed, but the first `slimRecords` records hold no joint ids: 48 bytes instead of 64
+// with 4 influences, 64 instead of 96 with 8. `fat`: no record is slim.
+Result<EncodedMesh> encodeSlim(const EncodeInput& in);
 
 // No bytes at all: the decoder places vertex n of a copy by its number, in the bounding box of the mesh.
-Result<EncodedMesh> encodeIds(const Mesh& mesh, const MeshletMesh* meshlets, int influences);
+Result<EncodedMesh> encodeIds(const EncodeInput& in);
 
 }  // namespace skinbench

@@ -301,17 +301,17 @@ uint32_t differenceBytes(uint32_t largest, uint32_t granularity) {
 
 Result<DifferenceMesh> encodeDifferences(const Mesh& mesh, const MeshletMesh& meshlets, DifferenceCodec codec) {
     const DifferenceTraits& traits = differenceTraits(codec);
-    if (const auto ok = checkPackable(mesh, 4); !ok) return std::unexpected(ok.error());
-    if (const auto ok = checkReferences(mesh, meshlets); !ok) return std::unexpected(ok.error());
+    SKINBENCH_TRY(checkPackable(mesh, 4));
+    SKINBENCH_TRY(checkReferences(mesh, meshlets));
     Result<BlendCodes> blend = makeCodes(mesh, traits);
-    if (!blend) return std::unexpected(blend.error());
+    SKINBENCH_TRY(blend);
 
     DifferenceMesh out;
     out.codec = codec;
     out.grids = vertexGrids(mesh);
     const std::vector<CodeRange> ranges = makeRanges(meshlets, blend->codes, traits.granularity);
     const auto stored = placeVertices(meshlets, ranges, blend->codes, out);
-    if (!stored) return std::unexpected(stored.error());
+    SKINBENCH_TRY(stored);
     writeVertices(mesh, *stored, out);
     out.meshletExtra = makeExtra(mesh, meshlets, *blend, ranges, codec);
     for (const CodeRange& range : ranges) out.differenceBytes.push_back(static_cast<uint8_t>(range.bytes));
@@ -323,7 +323,7 @@ Result<DecodedVertex> decodeDifference(const DifferenceMesh& encoded, const Mesh
                                        uint32_t local) {
     const DifferenceTraits& traits = differenceTraits(encoded.codec);
     const auto place = findVertex(encoded, meshlets, meshlet, local);
-    if (!place) return std::unexpected(place.error());
+    SKINBENCH_TRY(place);
     const auto bytes = std::span(encoded.vertices).subspan(place->offset, kBaseVertexBytes + place->bytes);
 
     Result<PermutationBlend> blend;
@@ -334,7 +334,7 @@ Result<DecodedVertex> decodeDifference(const DifferenceMesh& encoded, const Mesh
         const uint32_t base = encoded.codec == DifferenceCodec::pdc32 ? 0 : place->extra[0];
         const uint32_t difference = static_cast<uint32_t>(readBytes(bytes.subspan(kBaseVertexBytes)));
         blend = decodePermutation(traits.code, base + difference);
-        if (!blend) return std::unexpected(blend.error());
+        SKINBENCH_TRY(blend);
         if (traits.merged) {
             rank = blend->tuple / traits.maxTuples;
             blend->tuple %= traits.maxTuples;

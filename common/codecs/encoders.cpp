@@ -105,7 +105,7 @@ Mesh readVertices(uint32_t count, const Read& read) {
 
 template <class Read>
 Result<EncodedMesh> encodePacked(Result<PackedVertices> packed, const Defines& more, double weights, const Read& read) {
-    if (!packed) return std::unexpected(packed.error());
+    SKINBENCH_TRY(packed);
     if (packed->vertices.size() > std::numeric_limits<uint32_t>::max())
         return inputError("packed vertices: one copy exceeds 4 GiB; use fewer vertices");
     EncodedMesh encoded;
@@ -124,13 +124,13 @@ Result<EncodedMesh> encodePacked(Result<PackedVertices> packed, const Defines& m
 }
 
 std::unexpected<Error> onlyFour(const char* codec) {
-    return inputError(std::format("codec {} holds 4 influences a vertex; choose 4 influences, uc, uc16 or pc", codec));
+    return inputError(cannotHold(*findCodec(codec), 8).value());
 }
 
 Result<EncodedMesh> encodeSimplexBits(const char* name, const Mesh& mesh, int influences, int bits) {
     if (influences != 4) return onlyFour(name);
     const Result<SimplexCode> code = makeSimplexCode(bits);
-    if (!code) return std::unexpected(code.error());
+    SKINBENCH_TRY(code);
     return encodePacked(
         packSimplex(mesh, *code), {{"OSS_BITS", std::to_string(bits)}, {"OSS_POINTS", std::to_string(code->n)}},
         weightsBound(*code), [code = *code](const PackedVertices& p, uint32_t v) { return readSimplex(p, code, v); });
@@ -163,12 +163,12 @@ Defines differenceDefines(const DifferenceMesh& stored) {
     return defines;
 }
 
-Result<EncodedMesh> encodeDifferenceCodec(const char* name, const Mesh& mesh, const MeshletMesh* meshlets,
-                                          int influences, DifferenceCodec codec) {
-    if (influences != 4) return onlyFour(name);
+Result<EncodedMesh> encodeDifferenceCodec(const char* name, const EncodeInput& in, DifferenceCodec codec) {
+    if (in.influences != 4) return onlyFour(name);
+    const MeshletMesh* const meshlets = in.meshlets;
     if (meshlets == nullptr) return inputError(std::format("codec {} needs meshlets; choose a route with them", name));
-    Result<DifferenceMesh> stored = encodeDifferences(mesh, *meshlets, codec);
-    if (!stored) return std::unexpected(stored.error());
+    Result<DifferenceMesh> stored = encodeDifferences(in.mesh, *meshlets, codec);
+    SKINBENCH_TRY(stored);
     EncodedMesh encoded;
     encoded.vertexCount = stored->vertexCount;
     encoded.vertices = toBytes(stored->vertices);
@@ -200,58 +200,56 @@ Result<EncodedMesh> encodeDifferenceCodec(const char* name, const Mesh& mesh, co
 
 }  // namespace
 
-Result<EncodedMesh> encodeUc16(const Mesh& mesh, const MeshletMesh*, int influences) {
-    return encodePacked(packUc16(mesh, influences), {}, unorm16Bound(influences), readUc16);
+Result<EncodedMesh> encodeUc16(const EncodeInput& in) {
+    return encodePacked(packUc16(in.mesh, in.influences), {}, unorm16Bound(in.influences), readUc16);
 }
 
-Result<EncodedMesh> encodeOss16(const Mesh& mesh, const MeshletMesh*, int influences) {
-    return encodeSimplexBits("oss", mesh, influences, 16);
+Result<EncodedMesh> encodeOss16(const EncodeInput& in) { return encodeSimplexBits("oss", in.mesh, in.influences, 16); }
+
+Result<EncodedMesh> encodeOss22(const EncodeInput& in) {
+    return encodeSimplexBits("oss22", in.mesh, in.influences, 22);
 }
 
-Result<EncodedMesh> encodeOss22(const Mesh& mesh, const MeshletMesh*, int influences) {
-    return encodeSimplexBits("oss22", mesh, influences, 22);
-}
-
-Result<EncodedMesh> encodePc(const Mesh& mesh, const MeshletMesh*, int influences) {
-    if (influences == 4) return encodePermutationCode(mesh, kPermutationPc);
+Result<EncodedMesh> encodePc(const EncodeInput& in) {
+    if (in.influences == 4) return encodePermutationCode(in.mesh, kPermutationPc);
     static const Result<PermutationCode> eight = configurePermutation(8, kPermutationPc.tuples, 64);
-    SKINBENCH_ASSERT(influences == 8 && eight.has_value());
-    return encodePermutationCode(mesh, *eight);
+    SKINBENCH_ASSERT(in.influences == 8 && eight.has_value());
+    return encodePermutationCode(in.mesh, *eight);
 }
 
 template <int bits>
-Result<EncodedMesh> encodePcBits(const Mesh& mesh, const MeshletMesh*, int influences) {
-    if (const auto ok = checkPackable(mesh, influences); !ok) return std::unexpected(ok.error());
-    const size_t tuples = reuseTuples(distinctTuples(mesh, influences)).tuples.size();
-    const Result<PermutationCode> code = configurePermutation(influences, std::max<size_t>(tuples, 1), bits);
-    if (!code) return std::unexpected(code.error());
-    return encodePermutationCode(mesh, *code);
+Result<EncodedMesh> encodePcBits(const EncodeInput& in) {
+    SKINBENCH_TRY(checkPackable(in.mesh, in.influences));
+    const size_t tuples = reuseTuples(distinctTuples(in.mesh, in.influences)).tuples.size();
+    const Result<PermutationCode> code = configurePermutation(in.influences, std::max<size_t>(tuples, 1), bits);
+    SKINBENCH_TRY(code);
+    return encodePermutationCode(in.mesh, *code);
 }
 
-template Result<EncodedMesh> encodePcBits<16>(const Mesh&, const MeshletMesh*, int);
-template Result<EncodedMesh> encodePcBits<24>(const Mesh&, const MeshletMesh*, int);
-template Result<EncodedMesh> encodePcBits<32>(const Mesh&, const MeshletMesh*, int);
-template Result<EncodedMesh> encodePcBits<40>(const Mesh&, const MeshletMesh*, int);
-template Result<EncodedMesh> encodePcBits<48>(const Mesh&, const MeshletMesh*, int);
-template Result<EncodedMesh> encodePcBits<56>(const Mesh&, const MeshletMesh*, int);
-template Result<EncodedMesh> encodePcBits<64>(const Mesh&, const MeshletMesh*, int);
+template Result<EncodedMesh> encodePcBits<16>(const EncodeInput&);
+template Result<EncodedMesh> encodePcBits<24>(const EncodeInput&);
+template Result<EncodedMesh> encodePcBits<32>(const EncodeInput&);
+template Result<EncodedMesh> encodePcBits<40>(const EncodeInput&);
+template Result<EncodedMesh> encodePcBits<48>(const EncodeInput&);
+template Result<EncodedMesh> encodePcBits<56>(const EncodeInput&);
+template Result<EncodedMesh> encodePcBits<64>(const EncodeInput&);
 
-Result<EncodedMesh> encodePdc8(const Mesh& mesh, const MeshletMesh* meshlets, int influences) {
-    return encodeDifferenceCodec("pdc8", mesh, meshlets, influences, DifferenceCodec::pdc8);
+Result<EncodedMesh> encodePdc8(const EncodeInput& in) {
+    return encodeDifferenceCodec("pdc8", in, DifferenceCodec::pdc8);
 }
 
-Result<EncodedMesh> encodePdc16(const Mesh& mesh, const MeshletMesh* meshlets, int influences) {
-    return encodeDifferenceCodec("pdc16", mesh, meshlets, influences, DifferenceCodec::pdc16);
+Result<EncodedMesh> encodePdc16(const EncodeInput& in) {
+    return encodeDifferenceCodec("pdc16", in, DifferenceCodec::pdc16);
 }
 
-Result<EncodedMesh> encodePdc32(const Mesh& mesh, const MeshletMesh* meshlets, int influences) {
-    return encodeDifferenceCodec("pdc32", mesh, meshlets, influences, DifferenceCodec::pdc32);
+Result<EncodedMesh> encodePdc32(const EncodeInput& in) {
+    return encodeDifferenceCodec("pdc32", in, DifferenceCodec::pdc32);
 }
 
-Result<EncodedMesh> encodeDpdc16(const Mesh& mesh, const MeshletMesh* meshlets, int influences) {
-    auto encoded = encodeDifferenceCodec("dpdc16", mesh, meshlets, influences, DifferenceCodec::dpdc16);
-    if (encoded || meshlets == nullptr || influences != 4) return encoded;
-    auto wider = encodeDifferenceCodec("dpdc16", mesh, meshlets, influences, DifferenceCodec::dpdc16Mixed);
+Result<EncodedMesh> encodeDpdc16(const EncodeInput& in) {
+    auto encoded = encodeDifferenceCodec("dpdc16", in, DifferenceCodec::dpdc16);
+    if (encoded || in.meshlets == nullptr || in.influences != 4) return encoded;
+    auto wider = encodeDifferenceCodec("dpdc16", in, DifferenceCodec::dpdc16Mixed);
     return wider ? wider : encoded;
 }
 

@@ -36,7 +36,8 @@ static Mesh idVertices(uint32_t count, uint32_t side, const Bounds& bounds) {
     return mesh;
 }
 
-Result<EncodedMesh> encodeIds(const Mesh& mesh, const MeshletMesh*, int) {
+Result<EncodedMesh> encodeIds(const EncodeInput& in) {
+    const Mesh& mesh = in.mesh;
     Bounds bounds{mesh.positions.front(), mesh.positions.front()};
     for (const glm::vec3& position : mesh.positions)
         bounds = {glm::min(bounds.min, position), glm::max(bounds.max, position)};

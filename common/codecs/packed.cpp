@@ -157,12 +157,11 @@ Result<PackedVertices> packOss(const Mesh& mesh) { return packSimplex(mesh, simp
 
 Result<PackedVertices> packSimplex(const Mesh& mesh, const SimplexCode& code) {
     SKINBENCH_ASSERT(code.bits >= 1 && code.bits <= kMaxSimplexBits32);
-    if (const auto ok = checkPackable(mesh, 4); !ok) return std::unexpected(ok.error());
+    SKINBENCH_TRY(checkPackable(mesh, 4));
     const TupleTable table = reuseTuples(distinctTuples(mesh, 4));
     const int tupleBits = 32 - code.bits;
     const std::string name = code.bits == 16 ? "oss" : std::format("oss{}", code.bits);
-    if (const auto ok = checkTupleCount(name.c_str(), table.tuples.size(), size_t{1} << tupleBits); !ok)
-        return std::unexpected(ok.error());
+    SKINBENCH_TRY(checkTupleCount(name.c_str(), table.tuples.size(), size_t{1} << tupleBits));
     PackedVertices packed = packVertices(mesh, kOssStride, 4, [&](size_t v, std::span<uint8_t> out) {
         const auto& w = mesh.influences[v].weights;
         writeBytes(out, encodeSimplex(code, {w[0], w[1], w[2], w[3]}) << tupleBits | table.vertexTuple[v]);
@@ -178,10 +177,9 @@ Result<PackedVertices> packPermutation(const Mesh& mesh, const PermutationCode& 
     if (influences > kMaxInfluences) {
         return inputError(std::format("codec pc: {} influences, a mesh holds at most {}", influences, kMaxInfluences));
     }
-    if (const auto ok = checkPackable(mesh, influences); !ok) return std::unexpected(ok.error());
+    SKINBENCH_TRY(checkPackable(mesh, influences));
     const TupleTable table = reuseTuples(distinctTuples(mesh, influences));
-    if (const auto ok = checkTupleCount("pc", table.tuples.size(), code.tuples); !ok)
-        return std::unexpected(ok.error());
+    SKINBENCH_TRY(checkTupleCount("pc", table.tuples.size(), code.tuples));
     PackedVertices packed =
         packVertices(mesh, permutationStride(code), influences, [&](size_t v, std::span<uint8_t> out) {
             writeBytes(out, encodeInfluences(code, mesh.influences[v], table.vertexTuple[v]));
@@ -191,7 +189,7 @@ Result<PackedVertices> packPermutation(const Mesh& mesh, const PermutationCode& 
 }
 
 Result<PackedVertices> packUc16(const Mesh& mesh, int influences) {
-    if (const auto ok = checkPackable(mesh, influences); !ok) return std::unexpected(ok.error());
+    SKINBENCH_TRY(checkPackable(mesh, influences));
     const size_t width = 2 * static_cast<size_t>(influences);
     return packVertices(mesh, uc16Stride(influences), influences, [&](size_t v, std::span<uint8_t> out) {
         const Influences& source = mesh.influences[v];
@@ -210,13 +208,13 @@ Result<DecodedVertex> readOss(const PackedVertices& packed, uint32_t vertex) {
 
 Result<DecodedVertex> readSimplex(const PackedVertices& packed, const SimplexCode& code, uint32_t vertex) {
     const auto bytes = vertexBytes(packed, vertex, kOssStride);
-    if (!bytes) return std::unexpected(bytes.error());
+    SKINBENCH_TRY(bytes);
     const uint32_t blend = static_cast<uint32_t>(readBytes(bytes->subspan(kBaseVertexBytes)));
     const int tupleBits = 32 - code.bits;
     const auto tuple = tupleAt(packed, blend & ((1u << tupleBits) - 1), 4);
-    if (!tuple) return std::unexpected(tuple.error());
+    SKINBENCH_TRY(tuple);
     const auto weights = decodeSimplex(code, blend >> tupleBits);
-    if (!weights) return std::unexpected(weights.error());
+    SKINBENCH_TRY(weights);
     DecodedVertex result = readBaseVertex(bytes->first<kBaseVertexBytes>(), packed.grids);
     for (int i = 0; i < 4; ++i) setInfluence(result.influences, i, (*weights)[i], (*tuple)[i]);
     return result;
@@ -228,11 +226,11 @@ Result<DecodedVertex> readPc(const PackedVertices& packed, uint32_t vertex) {
 
 Result<DecodedVertex> readPermutation(const PackedVertices& packed, const PermutationCode& code, uint32_t vertex) {
     const auto bytes = vertexBytes(packed, vertex, permutationStride(code));
-    if (!bytes) return std::unexpected(bytes.error());
+    SKINBENCH_TRY(bytes);
     const auto blend = decodePermutation(code, readBytes(bytes->subspan(kBaseVertexBytes)));
-    if (!blend) return std::unexpected(blend.error());
+    SKINBENCH_TRY(blend);
     const auto tuple = tupleAt(packed, blend->tuple, code.entries + 1);
-    if (!tuple) return std::unexpected(tuple.error());
+    SKINBENCH_TRY(tuple);
     DecodedVertex result = readBaseVertex(bytes->first<kBaseVertexBytes>(), packed.grids);
     result.influences = blendInfluences(code, *blend, *tuple);
     return result;
@@ -240,7 +238,7 @@ Result<DecodedVertex> readPermutation(const PackedVertices& packed, const Permut
 
 Result<DecodedVertex> readUc16(const PackedVertices& packed, uint32_t vertex) {
     const auto bytes = vertexBytes(packed, vertex, uc16Stride(packed.influences));
-    if (!bytes) return std::unexpected(bytes.error());
+    SKINBENCH_TRY(bytes);
     DecodedVertex result = readBaseVertex(bytes->first<kBaseVertexBytes>(), packed.grids);
     const auto joints = bytes->subspan(kBaseVertexBytes);
     const auto weights = joints.subspan(2 * static_cast<size_t>(packed.influences));

@@ -111,7 +111,7 @@ glm::vec4 simplexWeights(const SimplexCode& code, SimplexPoint point) {
 
 Result<glm::vec4> decodeSimplex(const SimplexCode& code, uint64_t value) {
     const Result<SimplexPoint> point = decodeSimplexPoint(code, value);
-    if (!point) return std::unexpected(point.error());
+    SKINBENCH_TRY(point);
     return simplexWeights(code, *point);
 }
 

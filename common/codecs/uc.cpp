@@ -5,7 +5,9 @@
 
 namespace skinbench {
 
-Result<EncodedMesh> encodeUncompressed(const Mesh& mesh, const MeshletMesh*, int influences) {
+Result<EncodedMesh> encodeUncompressed(const EncodeInput& in) {
+    const Mesh& mesh = in.mesh;
+    const int influences = in.influences;
     SKINBENCH_ASSERT(influences == 4 || influences == 8);
     const size_t words = influences == 4 ? 16 : 24;
     std::vector<uint32_t> out(mesh.positions.size() * words, 0);

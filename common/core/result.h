@@ -35,6 +35,13 @@ inline std::unexpected<Error> deviceError(std::string text) {
 
 }  // namespace skinbench
 
+// Hands an error on to the caller: SKINBENCH_TRY(check(x)); or, where the value is needed, after auto y = make(x);
+// SKINBENCH_TRY(y);
+#define SKINBENCH_TRY(expression)                                                                  \
+    do {                                                                                           \
+        if (auto&& tried = (expression); !tried) return std::unexpected(std::move(tried.error())); \
+    } while (0)
+
 // Stays on in release builds: a benchmark that goes on after a broken invariant publishes wrong numbers.
 #define SKINBENCH_ASSERT(condition)                                                                 \
     do {                                                                                            \

@@ -44,9 +44,8 @@ static Result<void> readFolder(const fs::path& folder, const std::string& prefix
 
 Result<ShaderLibrary> loadShaders(const std::string& folder) {
     ShaderLibrary library;
-    if (auto read = readFolder(folder, "", library); !read) return std::unexpected(read.error());
-    if (auto read = readFolder(fs::path(folder) / "codecs", "codecs/", library); !read)
-        return std::unexpected(read.error());
+    SKINBENCH_TRY(readFolder(folder, "", library));
+    SKINBENCH_TRY(readFolder(fs::path(folder) / "codecs", "codecs/", library));
     return library;
 }
 
@@ -127,7 +126,7 @@ Result<ShaderText> shaderText(const ShaderLibrary& library, const ShaderRequest&
     defines.emplace_back("MESH_NV", request.dialect == MeshDialect::nv ? "1" : "0");
 
     Expansion expansion{library, defines};
-    if (auto done = expand(request.file, "the plan", expansion); !done) return std::unexpected(done.error());
+    SKINBENCH_TRY(expand(request.file, "the plan", expansion));
 
     std::string text = "#version 450\n//";
     for (size_t i = 0; i < expansion.files.size(); ++i) text += " " + std::to_string(i + 1) + "=" + expansion.files[i];

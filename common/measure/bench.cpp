@@ -20,8 +20,6 @@ double milliseconds(std::chrono::steady_clock::time_point since) {
 
 unsigned allCores() { return std::max(1u, std::thread::hardware_concurrency()); }
 
-bool skinsOnHost(const Case& which) { return which.variant == findVariant("cpu"); }
-
 HostSkinning makeHostSkinning(const Scene& scene, uint32_t copies) {
     HostSkinning host;
     host.copies.assign(copies, scene.mesh);
@@ -38,8 +36,8 @@ double skinFrame(HostSkinning& host, const FrameData& frame) {
     return milliseconds(start);
 }
 
-std::string missingReason(const Runner& runner, const Case& which) {
-    auto open = runner.backends.find(which.route->api);
+std::string missingReason(const Runner& runner, const Case& c) {
+    auto open = runner.backends.find(c.route->api);
     return open == runner.backends.end() ? "not opened" : open->second.missing;
 }
 
@@ -50,8 +48,8 @@ void failCase(CaseResult& result, CaseStatus status, std::string reason) {
     result.reason = std::move(reason);
 }
 
-Backend* backendOf(const Runner& runner, const Case& which) {
-    auto open = runner.backends.find(which.route->api);
+Backend* backendOf(const Runner& runner, const Case& c) {
+    auto open = runner.backends.find(c.route->api);
     return open == runner.backends.end() ? nullptr : open->second.backend;
 }
 
@@ -65,11 +63,11 @@ bool failOnMessages(CaseResult& result, Backend* backend) {
     return true;
 }
 
-Result<std::vector<FrameData>> frameRange(Workload& workload, const Case& which, uint32_t first, uint32_t count) {
+Result<std::vector<FrameData>> frameRange(Workload& workload, const Case& c, uint32_t first, uint32_t count) {
     std::vector<FrameData> frames;
     for (uint32_t i = 0; i < count; ++i) {
-        auto frame = makeFrame(workload, which.influences, first + i);
-        if (!frame) return std::unexpected(frame.error());
+        auto frame = makeFrame(workload, c.influences, first + i);
+        SKINBENCH_TRY(frame);
         frames.push_back(std::move(*frame));
     }
     return frames;
@@ -109,7 +107,7 @@ Result<std::vector<DrawnFrame>> drawFrames(Prepared& ready, std::span<const Fram
         std::vector<Timing> timings(inputs.size());
         if (ready.plan) {
             auto run = ready.backend->run(*ready.plan, inputs, mode);
-            if (!run) return std::unexpected(run.error());
+            SKINBENCH_TRY(run);
             timings = std::move(*run);
         }
         for (Timing& timing : timings) drawn.push_back({std::move(timing), skin});
@@ -118,24 +116,26 @@ Result<std::vector<DrawnFrame>> drawFrames(Prepared& ready, std::span<const Fram
 }
 
 Result<Prepared> prepareCase(Runner& runner, CaseResult& result, bool capture) {
-    Case which = result.which;
-    if (capture) which.raster = RasterMode::full;
-    auto input = planInput(runner.workload, which);
-    if (!input) return std::unexpected(input.error());
+    Case c = result.theCase;
+    if (capture) c.raster = RasterMode::full;
+    auto input = planInput(runner.workload, c);
+    SKINBENCH_TRY(input);
     input->capture = capture;
     Prepared ready;
-    ready.backend = backendOf(runner, which);
-    auto plan = makePlan(which, *input, ready.backend ? ready.backend->caps() : DeviceCaps{});
+    ready.backend = backendOf(runner, c);
+    auto plan = makePlan(c, *input, ready.backend ? ready.backend->caps() : DeviceCaps{});
     if (!plan) {
         result.status = CaseStatus::skipped;
         return std::unexpected(plan.error());
     }
+    plan->label = result.id;
     if (input->meshlets) result.meshlets = static_cast<uint32_t>(input->meshlets->meshlets.size());
     result.memory = memoryOfOneCopy(*plan, input->copies);
     ready.input = *input;
-    ready.blocks = paletteBlocks(which, *input);
+    ready.blocks = paletteBlocks(c, *input);
     for (const Pass& pass : plan->passes) ready.labels.push_back(pass.label);
-    if (skinsOnHost(which)) ready.host = std::make_unique<HostSkinning>(makeHostSkinning(*input->scene, input->copies));
+    if (c.variant->skinsOnHost)
+        ready.host = std::make_unique<HostSkinning>(makeHostSkinning(*input->scene, input->copies));
     if (ready.backend) {
         auto id = ready.backend->prepare(*plan);
         if (!id) {
@@ -163,7 +163,7 @@ Result<std::vector<SkinnedVertex>> capturedVertices(const Prepared& ready) {
         return captured;
     }
     auto bytes = ready.backend->readStream(*ready.plan, SLOT_CAPTURE);
-    if (!bytes) return std::unexpected(bytes.error());
+    SKINBENCH_TRY(bytes);
     SKINBENCH_ASSERT(bytes->size() >= captured.size() * sizeof(SkinnedVertex));
     std::memcpy(captured.data(), bytes->data(), captured.size() * sizeof(SkinnedVertex));
     return captured;
@@ -171,13 +171,12 @@ Result<std::vector<SkinnedVertex>> capturedVertices(const Prepared& ready) {
 
 Result<void> compareWithFirstImage(Runner& runner, CaseResult& result, Prepared& ready) {
     auto image = ready.backend->readImage(*ready.plan);
-    if (!image) return std::unexpected(image.error());
-    const Case& which = result.which;
+    SKINBENCH_TRY(image);
+    const Case& c = result.theCase;
     // Where positions follow from the numbers of vertices, ordered records show another picture.
-    const bool numbered = result.isLimit && which.builder;
-    const std::string words =
-        std::format("{} {} {} {}", which.variant->skins, which.influences, which.codec->name, numbered);
-    auto [entry, first] = runner.firstImages.try_emplace(words, result.id, Image{});
+    const bool numbered = result.isLimit && c.builder;
+    auto [entry, first] =
+        runner.firstImages.try_emplace(pictureOf(c) + (numbered ? " numbered" : ""), result.id, Image{});
     if (first) entry->second.second = std::move(*image);
     result.accuracy->imageReference = entry->second.first;
     if (first) return {};
@@ -192,12 +191,12 @@ Result<void> compareWithFirstImage(Runner& runner, CaseResult& result, Prepared&
 
 // The last one is frame 0, whatever the case, so that all images show one pose. Where vertices keep their last
 // position, frame 1 comes first; where some copies are skinned every second frame, each pose is drawn twice.
-Result<std::vector<FrameData>> framesToVerify(Runner& runner, const Case& which) {
-    auto poses = frameRange(runner.workload, which, 0, which.compute.previous ? 2 : 1);
+Result<std::vector<FrameData>> framesToVerify(Runner& runner, const Case& c) {
+    auto poses = frameRange(runner.workload, c, 0, c.compute.previous ? 2 : 1);
     if (!poses) return poses;
     std::vector<FrameData> frames;
     for (auto pose = poses->rbegin(); pose != poses->rend(); ++pose)
-        frames.insert(frames.end(), which.compute.halfRate ? 2 : 1, *pose);
+        frames.insert(frames.end(), c.compute.halfRate ? 2 : 1, *pose);
     for (size_t i = 0; i < frames.size(); ++i) frames[i].constants.grid.w = static_cast<float>(i);
     return frames;
 }
@@ -205,24 +204,24 @@ Result<std::vector<FrameData>> framesToVerify(Runner& runner, const Case& which)
 // Many cases draw the same vertices in the same pose. A few hundred mebibytes of references stay.
 constexpr size_t kKeptReferences = 8'000'000;  // vertices, of both copies
 
-const References& referencesFor(Runner& runner, const Case& which, const PlanInput& input, const FrameData& frame) {
-    const std::pair key{input.encoded, which.variant->skins};
+const References& referencesFor(Runner& runner, const Case& c, const PlanInput& input, const FrameData& frame) {
+    const std::pair key{input.encoded, c.variant->skins};
     if (auto known = runner.references.find(key); known != runner.references.end()) return known->second;
     size_t kept = size_t{input.encoded->vertexCount} * 2;
     for (const auto& [other, references] : runner.references)
         kept += references.copies.size() * references.copies.front().source.positions.size();
     if (kept > kKeptReferences) runner.references.clear();
-    return runner.references[key] = makeReferences(which, input, frame);
+    return runner.references[key] = makeReferences(c, input, frame);
 }
 
 constexpr double kNormalTolerance = 1e-3;  // positions off by their tolerance seldom tilt a normal by more
 
-Result<void> verifyKept(const BenchSettings& settings, const Case& which, const Prepared& ready,
+Result<void> verifyKept(const BenchSettings& settings, const Case& c, const Prepared& ready,
                         const std::vector<FrameData>& frames) {
-    if (!which.compute.previous && !which.compute.tangents) return {};
+    if (!c.compute.previous && !c.compute.tangents) return {};
     auto records = ready.backend->readStream(*ready.plan, SLOT_SKINNED);
-    if (!records) return std::unexpected(records.error());
-    const KeptError error = keptError(which, ready.input, frames.front(), frames.back(), *records);
+    SKINBENCH_TRY(records);
+    const KeptError error = keptError(c, ready.input, frames.front(), frames.back(), *records);
     if (!(error.previous <= settings.tolerance))
         return deviceError(std::format("previous positions are off by {:.3g} of the diagonal (allowed: {:.3g})",
                                        error.previous, settings.tolerance));
@@ -233,12 +232,12 @@ Result<void> verifyKept(const BenchSettings& settings, const Case& which, const 
 }
 
 Result<void> verifyDrawn(Runner& runner, CaseResult& result, Prepared& ready) {
-    auto frames = framesToVerify(runner, result.which);
-    if (!frames) return std::unexpected(frames.error());
-    if (auto drawn = drawFrames(ready, *frames); !drawn) return std::unexpected(drawn.error());
+    auto frames = framesToVerify(runner, result.theCase);
+    SKINBENCH_TRY(frames);
+    SKINBENCH_TRY(drawFrames(ready, *frames));
     auto captured = capturedVertices(ready);
-    if (!captured) return std::unexpected(captured.error());
-    const References& references = referencesFor(runner, result.which, ready.input, frames->back());
+    SKINBENCH_TRY(captured);
+    const References& references = referencesFor(runner, result.theCase, ready.input, frames->back());
     const CapturedError errors = capturedError(references, *captured);
     const SkinError* error = &errors.decoded;
     const std::optional<double>& bound = references.bound;
@@ -251,23 +250,20 @@ Result<void> verifyDrawn(Runner& runner, CaseResult& result, Prepared& ready) {
             std::format("normals are off by {:.3g} rad (allowed: {:.3g})", error->normal, kNormalTolerance));
     if (bound && !(errors.source.position <= *bound + runner.settings.tolerance))
         return deviceError(std::format("codec {} moves positions by {:.3g} of the diagonal (its bound: {:.3g})",
-                                       result.which.codec->name, errors.source.position, *bound));
-    if (auto kept = verifyKept(runner.settings, result.which, ready, *frames); !kept) return kept;
+                                       result.theCase.codec->name, errors.source.position, *bound));
+    if (auto kept = verifyKept(runner.settings, result.theCase, ready, *frames); !kept) return kept;
     return ready.plan ? compareWithFirstImage(runner, result, ready) : Result<void>{};
 }
 
 void verifyCase(Runner& runner, CaseResult& result) {
-    const Case& which = result.which;
-    Backend* backend = backendOf(runner, which);
-    if (!backend && which.route->api != Api::cpu)
-        return failCase(result, CaseStatus::skipped, missingReason(runner, which));
+    const Case& c = result.theCase;
+    Backend* backend = backendOf(runner, c);
+    if (!backend && c.route->api != Api::cpu) return failCase(result, CaseStatus::skipped, missingReason(runner, c));
     if (backend)
-        if (auto reason = unsupported(which, backend->caps())) return failCase(result, CaseStatus::skipped, *reason);
+        if (auto reason = unsupported(c, backend->caps())) return failCase(result, CaseStatus::skipped, *reason);
 
     // Raster modes share their shaders and buffers, so the first one's verification stands for all.
-    Case plain = which;
-    plain.raster = RasterMode::full;
-    auto [known, fresh] = runner.verifiedAs.try_emplace(caseId(plain), &result - runner.results.data());
+    auto [known, fresh] = runner.verifiedAs.try_emplace(keyOf(c, Changes::plan), &result - runner.results.data());
     if (!fresh) {
         const CaseResult& same = runner.results[known->second];
         result.status = same.status;
@@ -288,10 +284,10 @@ void verifyCase(Runner& runner, CaseResult& result) {
 
 }  // namespace
 
-static CaseResult resultFor(const Case& which) {
+static CaseResult resultFor(const Case& c) {
     CaseResult result;
-    result.which = which;
-    result.id = caseId(which);
+    result.theCase = c;
+    result.id = caseId(c);
     result.reason = "interrupted before it was verified";
     return result;
 }
@@ -302,7 +298,7 @@ static Result<void> verifyResult(Runner& runner, size_t i, size_t count) {
     const double share = runner.settings.timed ? 0.3 : 1.0;
     if (runner.events.progress)
         runner.events.progress("verify " + result.id, share * static_cast<double>(i) / static_cast<double>(count));
-    if (auto scene = sceneFor(runner.workload, result.which.influences); !scene) return std::unexpected(scene.error());
+    SKINBENCH_TRY(sceneFor(runner.workload, result.theCase.influences));
     verifyCase(runner, result);
     return runner.events.checkpoint ? runner.events.checkpoint(runner.results) : Result<void>{};
 }
@@ -313,7 +309,7 @@ static void addLimits(std::vector<CaseResult>& results) {
     std::map<std::string, bool> known;
     for (size_t i = 0; i < cases; ++i) {
         if (results[i].status != CaseStatus::ok) continue;
-        const std::optional<Case> limit = limitCase(results[i].which);
+        const std::optional<Case> limit = limitCase(results[i].theCase);
         if (!limit) continue;
         results[i].limitId = caseId(*limit);
         if (!known.try_emplace(results[i].limitId).second) continue;
@@ -325,22 +321,20 @@ static void addLimits(std::vector<CaseResult>& results) {
 Result<std::vector<CaseResult>> runBench(Workload& workload, const std::vector<Case>& cases, const Backends& backends,
                                          const BenchSettings& settings, const BenchEvents& events) {
     Runner runner{workload, backends, settings, events, {}, {}, {}, {}};
-    for (const Case& which : cases) {
-        runner.results.push_back(resultFor(which));
+    for (const Case& c : cases) {
+        runner.results.push_back(resultFor(c));
         if (!settings.selfTest) continue;
-        runner.results.push_back(resultFor(which));
+        runner.results.push_back(resultFor(c));
         runner.results.back().id += "+again";
         runner.results.back().isAgain = true;
     }
     auto stopped = [&] { return events.stop && events.stop(); };
     const size_t asked = runner.results.size();
-    for (size_t i = 0; i < asked && !stopped(); ++i)
-        if (auto done = verifyResult(runner, i, asked); !done) return std::unexpected(done.error());
+    for (size_t i = 0; i < asked && !stopped(); ++i) SKINBENCH_TRY(verifyResult(runner, i, asked));
     if (settings.timed && settings.limits) addLimits(runner.results);
     for (size_t i = asked; i < runner.results.size() && !stopped(); ++i)
-        if (auto done = verifyResult(runner, i, runner.results.size()); !done) return std::unexpected(done.error());
-    if (settings.timed)
-        if (auto timed = timeCases(runner); !timed) return std::unexpected(timed.error());
+        SKINBENCH_TRY(verifyResult(runner, i, runner.results.size()));
+    if (settings.timed) SKINBENCH_TRY(timeCases(runner));
     for (CaseResult& result : runner.results)
         if (settings.timed && result.status == CaseStatus::ok && result.total.empty())
             failCase(result, CaseStatus::skipped, "interrupted before it was timed");
@@ -348,16 +342,16 @@ Result<std::vector<CaseResult>> runBench(Workload& workload, const std::vector<C
     return std::move(runner.results);
 }
 
-Result<Image> renderImage(Workload& workload, const Case& which, Backend& backend) {
-    if (auto reason = unsupported(which, backend.caps())) return deviceError(*reason);
-    const Backends backends{{which.route->api, {&backend, {}}}};
+Result<Image> renderImage(Workload& workload, const Case& c, Backend& backend) {
+    if (auto reason = unsupported(c, backend.caps())) return deviceError(*reason);
+    const Backends backends{{c.route->api, {&backend, {}}}};
     const BenchSettings settings;
     Runner runner{workload, backends, settings, {}, {}, {}, {}, {}};
     CaseResult result;
-    result.which = which;
-    result.id = caseId(which);
+    result.theCase = c;
+    result.id = caseId(c);
     auto ready = prepareCase(runner, result, true);
-    if (!ready) return std::unexpected(ready.error());
+    SKINBENCH_TRY(ready);
     auto verified = verifyDrawn(runner, result, *ready);
     Result<Image> image = verified ? backend.readImage(*ready->plan) : std::unexpected(verified.error());
     releaseCase(*ready);

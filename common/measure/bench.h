@@ -48,7 +48,7 @@ struct Accuracy {
 // Samples are milliseconds per frame for all copies. `total` is the sum of the passes, and for the variant `cpu` also
 // of the skinning and the upload on the host (passes "skin" and "upload").
 struct CaseResult {
-    Case which;
+    Case theCase;
     std::string id;
     bool isLimit = false;  // added by BenchSettings::limits
     bool isAgain = false;  // added by BenchSettings::selfTest: the second one of two equal cases
@@ -91,6 +91,6 @@ Result<std::vector<CaseResult>> runBench(Workload& workload, const std::vector<C
                                          const BenchSettings& settings, const BenchEvents& events);
 
 // Draws one frame of one case, checked like a benchmarked one, and returns its image.
-Result<Image> renderImage(Workload& workload, const Case& which, Backend& backend);
+Result<Image> renderImage(Workload& workload, const Case& c, Backend& backend);
 
 }  // namespace skinbench

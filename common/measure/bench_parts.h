@@ -29,8 +29,8 @@ struct Runner {
     const BenchSettings& settings;
     const BenchEvents& events;
     std::vector<CaseResult> results;
-    std::map<std::string, std::pair<std::string, Image>> firstImages;      // by what a picture depends on
-    std::map<std::string, size_t> verifiedAs;                              // id without the raster mode -> result
+    std::map<std::string, std::pair<std::string, Image>> firstImages;      // by pictureOf
+    std::map<std::string, size_t> verifiedAs;                              // keyOf the plan -> result
     std::map<std::pair<const EncodedMesh*, bool>, References> references;  // of frame 0; bool: skinned
 };
 
@@ -44,9 +44,9 @@ void failCase(CaseResult& result, CaseStatus status, std::string reason);
 // A message of the validation layer fails the case that caused it.
 bool failOnMessages(CaseResult& result, Backend* backend);
 
-Backend* backendOf(const Runner& runner, const Case& which);
+Backend* backendOf(const Runner& runner, const Case& c);
 
-Result<std::vector<FrameData>> frameRange(Workload& workload, const Case& which, uint32_t first, uint32_t count);
+Result<std::vector<FrameData>> frameRange(Workload& workload, const Case& c, uint32_t first, uint32_t count);
 
 // Nothing is allocated when it fails; `result` then has the status that the fault deserves.
 Result<Prepared> prepareCase(Runner& runner, CaseResult& result, bool capture);

@@ -32,7 +32,7 @@ struct Timer {
     std::map<std::pair<int, uint32_t>, std::vector<FrameData>> frames;  // of this round, by influences and first frame
 
     CaseResult& result(size_t number) { return runner.results[number]; }
-    Backend* backend(size_t number) { return backendOf(runner, result(number).which); }
+    Backend* backend(size_t number) { return backendOf(runner, result(number).theCase); }
     uint64_t bytes(size_t number) {
         const CaseResult& of = result(number);
         return of.memory ? of.memory->total() * runner.workload.settings.copies : 0;
@@ -82,10 +82,10 @@ void makeRoom(Timer& timer, std::span<const size_t> group) {
 // One untimed frame with the pipeline's own counters.
 Result<void> countCase(Timer& timer, CaseResult& result, Prepared& ready) {
     if (!ready.plan || !ready.backend->caps().pipelineStatistics) return {};
-    auto frame = frameRange(timer.runner.workload, result.which, 0, 1);
-    if (!frame) return std::unexpected(frame.error());
+    auto frame = frameRange(timer.runner.workload, result.theCase, 0, 1);
+    SKINBENCH_TRY(frame);
     auto drawn = drawFrames(ready, *frame, RunMode::counted);
-    if (!drawn) return std::unexpected(drawn.error());
+    SKINBENCH_TRY(drawn);
     result.counters = drawn->front().timing.counters;
     return {};
 }
@@ -136,7 +136,7 @@ Result<void> warmUp(const BenchSettings& settings, Prepared& ready, std::span<co
     double last = 0;
     for (;;) {
         auto drawn = drawFrames(ready, some);
-        if (!drawn) return std::unexpected(drawn.error());
+        SKINBENCH_TRY(drawn);
         const double now = sum(ready, *drawn), passed = seconds(start);
         const bool settled = std::abs(now - last) <= kSettled * last && passed >= shortest;
         if (!settles || settled || passed > kLongestWarmup) return {};
@@ -158,13 +158,13 @@ void record(CaseResult& result, const Prepared& ready, std::span<const DrawnFram
 }
 
 // Posed once a round for all cases that show them.
-Result<std::span<const FrameData>> framesFrom(Timer& timer, const Case& which, uint32_t first, uint32_t count) {
-    std::vector<FrameData>& kept = timer.frames[{which.influences, first}];
+Result<std::span<const FrameData>> framesFrom(Timer& timer, const Case& c, uint32_t first, uint32_t count) {
+    std::vector<FrameData>& kept = timer.frames[{c.influences, first}];
     if (kept.empty()) {
         // A hundred thousand frames would not fit in memory: only those that are drawn together stay.
         std::erase_if(timer.frames, [&](const auto& entry) { return entry.first.second != first; });
-        auto made = frameRange(timer.runner.workload, which, first, count);
-        if (!made) return std::unexpected(made.error());
+        auto made = frameRange(timer.runner.workload, c, first, count);
+        SKINBENCH_TRY(made);
         kept = std::move(*made);
     }
     return std::span<const FrameData>(kept);
@@ -175,17 +175,17 @@ Result<void> timeRound(Timer& timer, CaseResult& result, Prepared& ready, uint32
                        double shortest) {
     const bool overlaps = ready.plan && !ready.host && ready.labels.size() > 1;
     for (uint32_t done = 0; done < count; done += kBatch) {
-        auto frames = framesFrom(timer, result.which, from + done, std::min(kBatch, count - done));
-        if (!frames) return std::unexpected(frames.error());
+        auto frames = framesFrom(timer, result.theCase, from + done, std::min(kBatch, count - done));
+        SKINBENCH_TRY(frames);
         if (done == 0)
             if (auto warm = warmUp(timer.runner.settings, ready, *frames, shortest); !warm) return warm;
         if (!std::exchange(timer.began, true) && timer.runner.events.timing) timer.runner.events.timing();
         auto drawn = drawFrames(ready, *frames);
-        if (!drawn) return std::unexpected(drawn.error());
+        SKINBENCH_TRY(drawn);
         record(result, ready, *drawn);
         if (!overlaps) continue;
         auto overlapped = drawFrames(ready, *frames, RunMode::overlap);
-        if (!overlapped) return std::unexpected(overlapped.error());
+        SKINBENCH_TRY(overlapped);
         for (const DrawnFrame& frame : *overlapped) result.overlapped.push_back(frame.timing.passes.front());
     }
     return {};

@@ -14,7 +14,7 @@ Result<double> measureCopyBandwidth(Backend& backend, const ShaderLibrary& shade
     const uint64_t bytes = std::min(wanted, caps.maxStorageBytes / (kGroup * 16) * (kGroup * 16));
     Result<ShaderText> text =
         shaderText(shaders, {"copy.glsl", Stage::compute, caps.api, MeshDialect::none, false, {}});
-    if (!text) return std::unexpected(text.error());
+    SKINBENCH_TRY(text);
     FramePlan plan;
     plan.label = "copy bandwidth";
     plan.programs.push_back({.label = "copy", .stages = {std::move(*text)}});
@@ -26,10 +26,10 @@ Result<double> measureCopyBandwidth(Backend& backend, const ShaderLibrary& shade
         pass.draws.push_back({.count = std::min(most, groups - first), .constants = {0, first, 0, 0}});
     plan.passes.push_back(std::move(pass));
     auto id = backend.prepare(plan);
-    if (!id) return std::unexpected(id.error());
+    SKINBENCH_TRY(id);
     auto timings = backend.run(*id, std::vector<FrameInput>(kFrames));
     backend.release(*id);
-    if (!timings) return std::unexpected(timings.error());
+    SKINBENCH_TRY(timings);
     double fastest = timings->front().passes.front();
     for (const Timing& timing : *timings) fastest = std::min(fastest, timing.passes.front());
     if (fastest <= 0) return deviceError(caps.name + ": its timestamps do not count, so no bandwidth follows");

@@ -14,18 +14,9 @@ static SkinError larger(const SkinError& a, const SkinError& b) {
     return {std::max(a.position, b.position), std::max(a.normal, b.normal)};
 }
 
-static SkinnedReference referenceOf(const Case& which, const Mesh& mesh, const Palette& palette) {
-    if (which.variant->skins) return skinReference(mesh, palette);
+static SkinnedReference referenceOf(const Case& c, const Mesh& mesh, const Palette& palette) {
+    if (c.variant->skins) return skinReference(mesh, palette);
     return {{mesh.positions.begin(), mesh.positions.end()}, {mesh.normals.begin(), mesh.normals.end()}};
-}
-
-std::vector<uint32_t> sourcesOf(const PlanInput& input) {
-    std::vector<uint32_t> sources = input.encoded->sources;
-    if (sources.empty())
-        for (uint32_t v = 0; v < input.encoded->vertexCount; ++v) sources.push_back(v);
-    if (input.records)
-        for (uint32_t& source : sources) source = input.records->sources[source];
-    return sources;
 }
 
 static SkinnedReference repeat(const SkinnedReference& reference, const std::vector<uint32_t>& sources) {
@@ -39,7 +30,7 @@ static SkinnedReference repeat(const SkinnedReference& reference, const std::vec
     return repeated;
 }
 
-References makeReferences(const Case& which, const PlanInput& input, const FrameData& frame) {
+References makeReferences(const Case& c, const PlanInput& input, const FrameData& frame) {
     const Mesh& mesh = input.scene->mesh;
     const std::vector<uint32_t> sources = sourcesOf(input);
     const bool lossy = input.encoded->decode != nullptr;
@@ -49,10 +40,10 @@ References makeReferences(const Case& which, const PlanInput& input, const Frame
         const Palette palette = paletteOfCopy(frame, input.copies, number);
         References::Copy& copy = references.copies.emplace_back();
         copy.diagonal = std::max<double>(posedBounds(mesh, palette).diagonal(), 1e-30);
-        copy.source = repeat(referenceOf(which, mesh, palette), sources);
-        if (lossy) copy.decoded = referenceOf(which, decoded, palette);
+        copy.source = repeat(referenceOf(c, mesh, palette), sources);
+        if (lossy) copy.decoded = referenceOf(c, decoded, palette);
     }
-    references.bound = codecPositionBound(which, input, frame);
+    references.bound = codecPositionBound(c, input, frame);
     return references;
 }
 
@@ -108,18 +99,18 @@ static double vertexBound(const Mesh& mesh, uint32_t vertex, const Influences& m
     return blended + bounds.weights * farthest + bounds.weights / 2 * spread + kSumRounding * length;
 }
 
-std::optional<double> codecPositionBound(const Case& which, const PlanInput& input, const FrameData& frame) {
+std::optional<double> codecPositionBound(const Case& c, const PlanInput& input, const FrameData& frame) {
     if (!input.encoded->decode) return 0;
     if (!input.encoded->bounds) return std::nullopt;
     const CodecBounds& bounds = *input.encoded->bounds;
     const Mesh& mesh = input.scene->mesh;
     const std::vector<uint32_t> sources = sourcesOf(input);
-    const Mesh decoded = bounds.addsJoints && which.variant->skins ? input.encoded->decode() : Mesh{};
+    const Mesh decoded = bounds.addsJoints && c.variant->skins ? input.encoded->decode() : Mesh{};
     double worst = 0;
     for (uint32_t copy : {0u, input.copies - 1}) {
         const Palette palette = paletteOfCopy(frame, input.copies, copy);
-        double most = which.variant->skins ? 0 : glm::length(bounds.position);
-        for (size_t v = 0; which.variant->skins && v < sources.size(); ++v) {
+        double most = c.variant->skins ? 0 : glm::length(bounds.position);
+        for (size_t v = 0; c.variant->skins && v < sources.size(); ++v) {
             const Influences more = decoded.influences.empty() ? Influences{} : decoded.influences[v];
             most = std::max(most, vertexBound(mesh, sources[v], more, bounds, palette));
         }
@@ -146,9 +137,9 @@ static Mesh decodedMesh(const PlanInput& input) {
     return mesh;
 }
 
-KeptError keptError(const Case& which, const PlanInput& input, const FrameData& before, const FrameData& frame,
+KeptError keptError(const Case& c, const PlanInput& input, const FrameData& before, const FrameData& frame,
                     std::span<const std::byte> records) {
-    const SkinnedLayout layout = skinnedLayout(which);
+    const SkinnedLayout layout = skinnedLayout(c);
     const size_t vertices = input.encoded->vertexCount;
     SKINBENCH_ASSERT(records.size() == vertices * input.copies * layout.stride);
     const Mesh mesh = decodedMesh(input);
@@ -179,7 +170,7 @@ KeptError keptError(const Case& which, const PlanInput& input, const FrameData& 
             worst.tangent = std::max(worst.tangent, compareSkinned(skinReference(tangential, now), kept, 0).normal);
         if (!layout.previous) continue;
         // A copy that every frame skins has shown the last pose twice.
-        const bool twice = which.compute.halfRate && !isFar(frame, input.copies, copy);
+        const bool twice = c.compute.halfRate && !isFar(frame, input.copies, copy);
         const Palette then = twice ? now : paletteOfCopy(before, input.copies, copy);
         const double diagonal = std::max<double>(posedBounds(input.scene->mesh, then).diagonal(), 1e-30);
         worst.previous = std::max(worst.previous, compareSkinned(skinReference(mesh, then), kept, diagonal).position);

@@ -27,7 +27,7 @@ struct References {
     std::vector<Copy> copies;     // the first and the last one; a single copy once
     std::optional<double> bound;  // codecPositionBound
 };
-References makeReferences(const Case& which, const PlanInput& input, const FrameData& frame);
+References makeReferences(const Case& c, const PlanInput& input, const FrameData& frame);
 
 // `captured` holds the encoded vertices of the first copy, then those of the last one, as the references' frame poses
 // them. A single copy is captured in the first half only.
@@ -38,7 +38,7 @@ CapturedError capturedError(const References& references, std::span<const Skinne
 // arithmetic adds comes on top. Empty where the codec promises nothing.
 //
 //   p' - p = sum_j w'_j M_j dp + sum_j dw_j M_j p      w' = w + dw, sum_j dw_j = 0, |dp| and sum_j |dw_j| bounded
-std::optional<double> codecPositionBound(const Case& which, const PlanInput& input, const FrameData& frame);
+std::optional<double> codecPositionBound(const Case& c, const PlanInput& input, const FrameData& frame);
 
 // What the variant `compute` keeps beside positions and normals: the larger error of the first and the last copy, 0 for
 // what the case does not keep.
@@ -49,10 +49,7 @@ struct KeptError {
 
 // `records` is the content of SLOT_SKINNED once `before` and then `frame` were drawn, with ComputeOptions::halfRate
 // each twice, so that every copy showed both.
-KeptError keptError(const Case& which, const PlanInput& input, const FrameData& before, const FrameData& frame,
+KeptError keptError(const Case& c, const PlanInput& input, const FrameData& before, const FrameData& frame,
                     std::span<const std::byte> records);
-
-// For each encoded vertex the vertex of the scene that it came from.
-std::vector<uint32_t> sourcesOf(const PlanInput& input);
 
 }  // namespace skinbench

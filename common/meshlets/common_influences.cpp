@@ -12,6 +12,20 @@
 #include "common/scene/tuples.h"
 
 namespace skinbench {
+
+const char* ciGroupingName(CiGrouping grouping) { return grouping == CiGrouping::meshlets ? "meshlets" : "triangles"; }
+
+const char* ciKeyName(CiKey key) {
+    switch (key) {
+        case CiKey::ordered:
+            return "ordered";
+        case CiKey::set:
+            return "set";
+        case CiKey::fit:
+            return "fit";
+    }
+    return "?";
+}
 namespace {
 
 constexpr uint32_t kRemainder = UINT32_MAX;

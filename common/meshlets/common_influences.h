@@ -21,6 +21,9 @@ enum class CiGrouping { meshlets, triangles };
 // fit:     together they have at most `influences` joints; groups that share vertices become one while that holds.
 enum class CiKey { ordered, set, fit };
 
+const char* ciGroupingName(CiGrouping grouping);
+const char* ciKeyName(CiKey key);
+
 struct CommonInfluenceOptions {
     const Builder* builder = nullptr;
     MeshletLimits limits;

@@ -5,7 +5,6 @@
 #include <cstdint>
 #include <vector>
 
-#include "common/codecs/codec.h"
 #include "common/meshlets/common_influences.h"
 #include "common/meshlets/meshlets.h"
 #include "common/meshlets/partition.h"
@@ -46,12 +45,6 @@ struct MeshletJoints {
 
 // Fails when a meshlet has more than kMaxMeshletJoints joints.
 Result<MeshletJoints> packMeshletJoints(const Mesh& mesh, const MeshletMesh& meshlets, int influences);
-
-// --- slim records ----------------------------------------------------------------------------------------------
-
-// Uncompressed as encodeUncompressed, but the first `slimRecords` records hold no joint ids: 48 bytes instead of 64
-// with 4 influences, 64 instead of 96 with 8; shaders_glsl/codecs/uc_slim.glsl draws both. `fat`: no record is slim.
-EncodedMesh encodeSlim(const Mesh& mesh, uint32_t slimRecords, bool fat, int influences);
 
 // The joint lists of the common meshlets, `influences` words each.
 std::vector<uint32_t> packJointLists(const std::vector<JointList>& lists, int influences);

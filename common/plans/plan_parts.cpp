@@ -8,32 +8,40 @@
 
 namespace skinbench {
 
-Defines commonDefines(const Case& which, const PlanInput& input) {
-    const bool prepass = which.scenario == Scenario::prepass;
+std::vector<uint32_t> sourcesOf(const PlanInput& input) {
+    std::vector<uint32_t> sources = input.encoded->sources;
+    if (sources.empty())
+        for (uint32_t v = 0; v < input.encoded->vertexCount; ++v) sources.push_back(v);
+    if (input.records)
+        for (uint32_t& source : sources) source = input.records->sources[source];
+    return sources;
+}
+
+Defines caseDefines(const Case& c, const PlanInput& input) {
+    const bool prepass = c.scenario == Scenario::prepass;
     Defines defines = {
-        {"CODEC_FILE", storesSlim(which) ? "\"codecs/uc_slim.glsl\"" : std::string("\"") + which.codec->shader + "\""},
-        {"INFLUENCES", std::to_string(which.influences)},
-        {"SKINNING", which.variant->skins ? "1" : "0"},
+        {"CODEC_FILE", std::string("\"") + storedCodec(c).shader + "\""},
+        {"INFLUENCES", std::to_string(c.influences)},
+        {"SKINNING", c.variant->skins ? "1" : "0"},
         {"VERTEX_COUNT", std::to_string(input.encoded->vertexCount)},
-        {"JOINT_COUNT",
-         std::to_string(usesPartition(which) ? which.paletteSlots : input.scene->skeleton.joints.size())},
+        {"JOINT_COUNT", std::to_string(usesPartition(c) ? c.paletteSlots : input.scene->skeleton.joints.size())},
         {"COPY_COUNT", std::to_string(input.copies)},
         {"LAST_COPY", std::to_string(input.copies - 1)},
-        {"BATCHED", which.submission == Submission::batched ? "1" : "0"},
-        {"FETCH_PULL", which.fetch == VertexFetch::pull ? "1" : "0"},
-        {"PALETTE_UNIFORM", which.shape.uniformPalette || usesPartition(which) ? "1" : "0"},
+        {"BATCHED", c.submission == Submission::batched ? "1" : "0"},
+        {"FETCH_PULL", c.fetch == VertexFetch::pull ? "1" : "0"},
+        {"PALETTE_UNIFORM", c.shape.uniformPalette || usesPartition(c) ? "1" : "0"},
         {"STAGED_JOINTS", "0"},
-        {"EARLY_EXIT", which.compute.earlyExit ? "1" : "0"},
-        {"HALF_RATE", which.compute.halfRate ? "1" : "0"},
-        {"SKINNED_PACKED", which.compute.packed ? "1" : "0"},
-        {"SKINNED_PREVIOUS", which.compute.previous ? "1" : "0"},
-        {"SKINNED_TANGENT", which.compute.tangents ? "1" : "0"},
+        {"EARLY_EXIT", c.compute.earlyExit ? "1" : "0"},
+        {"HALF_RATE", c.compute.halfRate ? "1" : "0"},
+        {"SKINNED_PACKED", c.compute.packed ? "1" : "0"},
+        {"SKINNED_PREVIOUS", c.compute.previous ? "1" : "0"},
+        {"SKINNED_TANGENT", c.compute.tangents ? "1" : "0"},
         {"SAME_DEPTH", prepass ? "1" : "0"},
         {"PREPASS", "0"},
         {"DEPTH_ONLY", "0"},
         {"REUSE_SKINNED", "0"},
         {"CAPTURE", input.capture ? "1" : "0"},
-        {"VIEW", std::to_string(static_cast<int>(which.view))},
+        {"VIEW", std::to_string(static_cast<int>(c.view))},
         {"SPARE_OUTPUT", "0"},
     };
     defines.insert(defines.end(), input.encoded->defines.begin(), input.encoded->defines.end());
@@ -48,26 +56,26 @@ void setDefine(Defines& defines, const std::string& name, const std::string& val
         known->second = value;
 }
 
-Result<Program> makeProgram(const Case& which, const PlanInput& input, const char* label,
+Result<Program> makeProgram(const Case& c, const PlanInput& input, const char* label,
                             std::initializer_list<StageFile> stages, const Defines& defines) {
     const bool shuffles = std::ranges::count(defines, Defines::value_type{"EXCHANGE_SHUFFLE", "1"}) > 0;
     Program program;
     program.label = label;
     for (const StageFile& stage : stages) {
-        Result<ShaderText> text = shaderText(
-            *input.shaders, {stage.file, stage.stage, which.route->api, which.route->dialect, shuffles, defines});
-        if (!text) return std::unexpected(text.error());
+        Result<ShaderText> text =
+            shaderText(*input.shaders, {stage.file, stage.stage, c.route->api, c.route->dialect, shuffles, defines});
+        SKINBENCH_TRY(text);
         program.stages.push_back(std::move(*text));
     }
     return program;
 }
 
-FramePlan startPlan(const Case& which, const PlanInput& input) {
+FramePlan startPlan(const Case& c, const PlanInput& input) {
     FramePlan plan;
-    plan.dialect = which.route->dialect;
+    plan.dialect = c.route->dialect;
     plan.width = input.width;
     plan.height = input.height;
-    if (auto blocks = paletteBlocks(which, input)) {
+    if (auto blocks = paletteBlocks(c, input)) {
         plan.paletteBytes = blocks->stride() * (blocks->joints.size() / blocks->size) * input.copies;
         plan.paletteRange = blocks->size * static_cast<uint32_t>(sizeof(PaletteEntry));
     } else {
@@ -79,17 +87,17 @@ FramePlan startPlan(const Case& which, const PlanInput& input) {
     return plan;
 }
 
-Pass startDraw(const Case& which, PassKind kind) {
+Pass startDraw(const Case& c, PassKind kind) {
     Pass pass;
     pass.label = "draw";
     pass.kind = kind;
-    pass.raster = which.raster;
-    pass.cullBackFaces = !which.keepBackFaces;
+    pass.raster = c.raster;
+    pass.cullBackFaces = !c.keepBackFaces;
     return pass;
 }
 
-Pass startDepth(const Case& which, PassKind kind) {
-    Pass pass = startDraw(which, kind);
+Pass startDepth(const Case& c, PassKind kind) {
+    Pass pass = startDraw(c, kind);
     pass.label = "depth";
     pass.writeColor = false;
     return pass;
@@ -110,11 +118,11 @@ void addEncoded(FramePlan& plan, const PlanInput& input) {
     addStream(plan, SLOT_TUPLE, useStorage, input.encoded->tuples, input.copies);
 }
 
-SkinnedLayout skinnedLayout(const Case& which) {
+SkinnedLayout skinnedLayout(const Case& c) {
     SkinnedLayout layout;
-    layout.stride = which.compute.packed ? 16 : sizeof(SkinnedVertex);
-    if (which.compute.previous) layout.previous = std::exchange(layout.stride, layout.stride + 16);
-    if (which.compute.tangents) layout.tangent = std::exchange(layout.stride, layout.stride + 16);
+    layout.stride = c.compute.packed ? 16 : sizeof(SkinnedVertex);
+    if (c.compute.previous) layout.previous = std::exchange(layout.stride, layout.stride + 16);
+    if (c.compute.tangents) layout.tangent = std::exchange(layout.stride, layout.stride + 16);
     return layout;
 }
 
@@ -130,9 +138,9 @@ static std::vector<uint32_t> drawnIndices(const PlanInput& input) {
     return triangleList(*input.meshlets);
 }
 
-void addIndexedDraws(FramePlan& plan, Pass& pass, const Case& which, const PlanInput& input) {
+void addIndexedDraws(FramePlan& plan, Pass& pass, const Case& c, const PlanInput& input) {
     const auto count = static_cast<uint32_t>(input.scene->mesh.indices.size());
-    const bool batched = which.submission == Submission::batched;
+    const bool batched = c.submission == Submission::batched;
     if (std::ranges::find(plan.streams, uint32_t{SLOT_INDEX}, &Stream::slot) == plan.streams.end()) {
         addStream(plan, SLOT_INDEX, useIndices, toBytes(drawnIndices(input)), input.copies);
         if (batched) plan.streams.back().replicaAdd = input.encoded->vertexCount;
@@ -142,8 +150,8 @@ void addIndexedDraws(FramePlan& plan, Pass& pass, const Case& which, const PlanI
         return;
     }
     std::vector<PartitionCommand> commands{{.triangleCount = count / 3}};
-    if (usesPartition(which)) commands = input.records->partition.commands;
-    const auto blocks = paletteBlocks(which, input);
+    if (usesPartition(c)) commands = input.records->partition.commands;
+    const auto blocks = paletteBlocks(c, input);
     for (uint32_t copy = 0; copy < input.copies; ++copy)
         for (size_t c = 0; c < commands.size(); ++c)
             pass.draws.push_back({.count = commands[c].triangleCount * 3,
@@ -153,10 +161,10 @@ void addIndexedDraws(FramePlan& plan, Pass& pass, const Case& which, const PlanI
                                   .paletteOffset = blocks ? blocks->stride() * (copy * commands.size() + c) : 0});
 }
 
-void addGroupDraws(Pass& pass, const Case& which, const PlanInput& input, uint32_t groupsOfCopy, uint32_t groupsOfAll,
+void addGroupDraws(Pass& pass, const Case& c, const PlanInput& input, uint32_t groupsOfCopy, uint32_t groupsOfAll,
                    uint32_t most) {
-    const bool batched = which.submission == Submission::batched;
-    const auto blocks = paletteBlocks(which, input);
+    const bool batched = c.submission == Submission::batched;
+    const auto blocks = paletteBlocks(c, input);
     for (uint32_t copy = 0; copy < (batched ? 1 : input.copies); ++copy) {
         const uint32_t groups = batched ? groupsOfAll : groupsOfCopy;
         for (uint32_t first = 0; first < groups; first += most)
@@ -174,34 +182,34 @@ static std::string diagonalText(const Mesh& mesh) {
     return std::format("{:.9e}", bounds.diagonal());
 }
 
-Result<void> addSkinnedDraw(FramePlan& plan, const Case& which, const PlanInput& input, bool depthOnly) {
-    Defines defines = commonDefines(which, input);
+Result<void> addSkinnedDraw(FramePlan& plan, const Case& c, const PlanInput& input, bool depthOnly) {
+    Defines defines = caseDefines(c, input);
     setDefine(defines, "PALETTE_UNIFORM", "0");
-    if (which.view == View::velocity) setDefine(defines, "SCENE_DIAGONAL", diagonalText(input.scene->mesh));
-    Pass pass = depthOnly ? startDepth(which, PassKind::drawIndexed) : startDraw(which, PassKind::drawIndexed);
+    if (c.view == View::velocity) setDefine(defines, "SCENE_DIAGONAL", diagonalText(input.scene->mesh));
+    Pass pass = depthOnly ? startDepth(c, PassKind::drawIndexed) : startDraw(c, PassKind::drawIndexed);
     Result<Program> program;
     if (depthOnly) {
         setDefine(defines, "DEPTH_ONLY", "1");
         setDefine(defines, "CAPTURE", "0");
-        program = makeProgram(which, input, "depth", {{Stage::vertex, "compute.glsl"}}, defines);
+        program = makeProgram(c, input, "depth", {{Stage::vertex, "compute.glsl"}}, defines);
     } else {
-        program = makeProgram(which, input, "draw",
-                              {{Stage::vertex, "compute.glsl"}, {Stage::fragment, "surface.glsl"}}, defines);
+        program = makeProgram(c, input, "draw", {{Stage::vertex, "compute.glsl"}, {Stage::fragment, "surface.glsl"}},
+                              defines);
     }
-    if (!program) return std::unexpected(program.error());
-    const SkinnedLayout layout = skinnedLayout(which);
-    if (which.compute.packed)
+    SKINBENCH_TRY(program);
+    const SkinnedLayout layout = skinnedLayout(c);
+    if (c.compute.packed)
         program->attributes = {{0, AttributeFormat::uint4, 0}};
     else
         program->attributes = {{0, AttributeFormat::float4, 0}, {1, AttributeFormat::float4, 16}};
-    if (which.compute.previous) program->attributes.push_back({2, AttributeFormat::float4, layout.previous});
-    if (which.compute.tangents) program->attributes.push_back({3, AttributeFormat::float4, layout.tangent});
+    if (c.compute.previous) program->attributes.push_back({2, AttributeFormat::float4, layout.previous});
+    if (c.compute.tangents) program->attributes.push_back({3, AttributeFormat::float4, layout.tangent});
     program->attributeSlot = SLOT_SKINNED;
     program->attributeStride = layout.stride;
     plan.programs.push_back(std::move(*program));
     pass.program = static_cast<uint32_t>(plan.programs.size() - 1);
-    if (which.scenario == Scenario::prepass && !depthOnly) drawWhereEqual(pass);
-    addIndexedDraws(plan, pass, which, input);
+    if (c.scenario == Scenario::prepass && !depthOnly) drawWhereEqual(pass);
+    addIndexedDraws(plan, pass, c, input);
     plan.passes.push_back(std::move(pass));
     return {};
 }

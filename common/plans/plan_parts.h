@@ -8,8 +8,11 @@
 
 namespace skinbench {
 
+// For each encoded vertex the vertex of the scene that it came from.
+std::vector<uint32_t> sourcesOf(const PlanInput& input);
+
 // Defines that every stage of the case sees.
-Defines commonDefines(const Case& which, const PlanInput& input);
+Defines caseDefines(const Case& c, const PlanInput& input);
 
 // Replaces the value of a define that is there, or adds it.
 void setDefine(Defines& defines, const std::string& name, const std::string& value);
@@ -18,17 +21,17 @@ struct StageFile {
     Stage stage;
     const char* file;
 };
-Result<Program> makeProgram(const Case& which, const PlanInput& input, const char* label,
+Result<Program> makeProgram(const Case& c, const PlanInput& input, const char* label,
                             std::initializer_list<StageFile> stages, const Defines& defines);
 
 // Size, palette and, for a verifying plan, the stream to capture into.
-FramePlan startPlan(const Case& which, const PlanInput& input);
+FramePlan startPlan(const Case& c, const PlanInput& input);
 
 // The pass that makes the image: "draw" of the direct scenario.
-Pass startDraw(const Case& which, PassKind kind);
+Pass startDraw(const Case& c, PassKind kind);
 
 // The first pass of a pre-pass: depth only.
-Pass startDepth(const Case& which, PassKind kind);
+Pass startDepth(const Case& c, PassKind kind);
 
 // Makes `pass` the second pass of a pre-pass.
 void drawWhereEqual(Pass& pass);
@@ -46,21 +49,21 @@ struct SkinnedLayout {
     uint32_t previous = 0;
     uint32_t tangent = 0;
 };
-SkinnedLayout skinnedLayout(const Case& which);
+SkinnedLayout skinnedLayout(const Case& c);
 
 // Room for every vertex of every copy.
 void addSkinnedStream(FramePlan& plan, const PlanInput& input, uint32_t use, uint32_t stride = sizeof(SkinnedVertex));
 
 // An indexed draw a copy, or one for all: then the indices of copy c already count from c * vertexCount. The index
 // stream is added once.
-void addIndexedDraws(FramePlan& plan, Pass& pass, const Case& which, const PlanInput& input);
+void addIndexedDraws(FramePlan& plan, Pass& pass, const Case& c, const PlanInput& input);
 
 // Work groups for every copy, or for all at once; draws are split where the device allows fewer groups.
-void addGroupDraws(Pass& pass, const Case& which, const PlanInput& input, uint32_t groupsOfCopy, uint32_t groupsOfAll,
+void addGroupDraws(Pass& pass, const Case& c, const PlanInput& input, uint32_t groupsOfCopy, uint32_t groupsOfAll,
                    uint32_t most);
 
 // A pass with a plain vertex stage over the attributes of SLOT_SKINNED: the same for every variant that
 // has skinned before. `depthOnly` makes it the depth pass of a pre-pass.
-Result<void> addSkinnedDraw(FramePlan& plan, const Case& which, const PlanInput& input, bool depthOnly = false);
+Result<void> addSkinnedDraw(FramePlan& plan, const Case& c, const PlanInput& input, bool depthOnly = false);
 
 }  // namespace skinbench

@@ -8,14 +8,14 @@ namespace skinbench {
 // One pass "draw" that skins where it draws: a mesh stage on mesh routes, a vertex stage on the others. As a pre-pass:
 // "depth", which keeps what it has skinned, then "draw" with a plain vertex stage, the same for all variants; where
 // DeviceCaps::meshDepthDiffers, a mesh stage that reads what was kept follows a mesh stage.
-Result<FramePlan> planDirect(const Case& which, const PlanInput& input, const DeviceCaps& caps);
-Result<FramePlan> planMesh(const Case& which, const PlanInput& input, const DeviceCaps& caps);
+Result<FramePlan> planDirect(const Case& c, const PlanInput& input, const DeviceCaps& caps);
+Result<FramePlan> planMesh(const Case& c, const PlanInput& input, const DeviceCaps& caps);
 
 // A pass "skin" of compute work groups, 64 vertices each, then "draw" with a plain vertex stage; as a pre-pass "depth"
 // between them.
-Result<FramePlan> planCompute(const Case& which, const PlanInput& input, const DeviceCaps& caps);
+Result<FramePlan> planCompute(const Case& c, const PlanInput& input, const DeviceCaps& caps);
 
 // A pass "draw" over the skinned vertices that FrameInput::skinned brings; on route cpu no pass at all.
-Result<FramePlan> planCpu(const Case& which, const PlanInput& input, const DeviceCaps& caps);
+Result<FramePlan> planCpu(const Case& c, const PlanInput& input, const DeviceCaps& caps);
 
 }  // namespace skinbench

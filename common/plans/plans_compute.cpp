@@ -2,7 +2,6 @@
 #include <algorithm>
 #include <format>
 
-#include "common/measure/verify.h"
 #include "common/plans/plan_parts.h"
 #include "common/scene/tangents.h"
 
@@ -31,28 +30,26 @@ Result<void> stagePalette(Defines& defines, const PlanInput& input, const Device
 
 }  // namespace
 
-Result<FramePlan> planCompute(const Case& which, const PlanInput& input, const DeviceCaps& caps) {
-    Defines defines = commonDefines(which, input);
-    if (which.compute.staged)
-        if (auto staged = stagePalette(defines, input, caps); !staged) return std::unexpected(staged.error());
-    auto program = makeProgram(which, input, "skin", {{Stage::compute, "compute.glsl"}}, defines);
-    if (!program) return std::unexpected(program.error());
-    FramePlan plan = startPlan(which, input);
+Result<FramePlan> planCompute(const Case& c, const PlanInput& input, const DeviceCaps& caps) {
+    Defines defines = caseDefines(c, input);
+    if (c.compute.staged) SKINBENCH_TRY(stagePalette(defines, input, caps));
+    auto program = makeProgram(c, input, "skin", {{Stage::compute, "compute.glsl"}}, defines);
+    SKINBENCH_TRY(program);
+    FramePlan plan = startPlan(c, input);
     plan.programs.push_back(std::move(*program));
     addEncoded(plan, input);
-    if (which.compute.tangents) addStream(plan, SLOT_TANGENT, useStorage, tangentBytes(input), input.copies);
-    addSkinnedStream(plan, input, useStorage | useAttributes, skinnedLayout(which).stride);
+    if (c.compute.tangents) addStream(plan, SLOT_TANGENT, useStorage, tangentBytes(input), input.copies);
+    addSkinnedStream(plan, input, useStorage | useAttributes, skinnedLayout(c).stride);
     Pass skin;
     skin.label = "skin";
     skin.kind = PassKind::dispatch;
     const uint64_t vertices = input.encoded->vertexCount;
     auto groups = [](uint64_t count) { return static_cast<uint32_t>((count + kGroupVertices - 1) / kGroupVertices); };
-    addGroupDraws(skin, which, input, groups(vertices), groups(vertices * input.copies),
+    addGroupDraws(skin, c, input, groups(vertices), groups(vertices * input.copies),
                   std::max(1u, std::min(caps.maxComputeGroupCount, 65535u)));
     plan.passes.push_back(std::move(skin));
-    if (which.scenario == Scenario::prepass)
-        if (auto added = addSkinnedDraw(plan, which, input, true); !added) return std::unexpected(added.error());
-    if (auto added = addSkinnedDraw(plan, which, input); !added) return std::unexpected(added.error());
+    if (c.scenario == Scenario::prepass) SKINBENCH_TRY(addSkinnedDraw(plan, c, input, true));
+    SKINBENCH_TRY(addSkinnedDraw(plan, c, input));
     return plan;
 }
 

@@ -97,8 +97,8 @@ double effect(const ComparedCase& compared) { return compared.ratio ? std::abs(s
 
 Result<Comparison> compareChecked(const Json& a, const Json& b) {
     auto casesA = casesById(a, "A"), casesB = casesById(b, "B");
-    if (!casesA) return std::unexpected(casesA.error());
-    if (!casesB) return std::unexpected(casesB.error());
+    SKINBENCH_TRY(casesA);
+    SKINBENCH_TRY(casesB);
     Comparison comparison;
     comparison.differences = differencesOf(a, b);
     auto floorOf = [](const Json& results) {

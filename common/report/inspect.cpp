@@ -191,7 +191,7 @@ std::optional<uint64_t> sizeOf(const Bytes& bytes) {
 
 void encodeInto(CodecRow& row, const Mesh& mesh, const MeshletMesh& cut, int influences) {
     const auto start = std::chrono::steady_clock::now();
-    auto encoded = row.codec->encode(mesh, &cut, influences);
+    auto encoded = row.codec->encode({mesh, &cut, influences});
     row.encodeMs = std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start).count();
     if (!encoded) {
         row.encodeMs = 0;
@@ -377,9 +377,8 @@ Result<Inspection> inspectScene(const Scene& stored, const InspectSettings& sett
         std::array<CutScene, 2> made = cutScenes(stored, geometry, settings);
         for (bool cacheOrder : {true, false}) {
             const auto [scene, cuts] = std::move(made[cacheOrder]);
-            if (!scene) return std::unexpected(scene.error());
-            if (auto added = addMeshletRows(scene->mesh, cuts, geometry, cacheOrder, inspection); !added)
-                return std::unexpected(added.error());
+            SKINBENCH_TRY(scene);
+            SKINBENCH_TRY(addMeshletRows(scene->mesh, cuts, geometry, cacheOrder, inspection));
             if (!cacheOrder) continue;
             addCodecRows(scene->mesh, cuts, geometry, inspection);
             if (geometry != Geometry::welded) continue;

@@ -165,32 +165,38 @@ static Json accuracyJson(const CaseResult& result) {
             {"image_reference", image ? Json(accuracy.imageReference) : Json(nullptr)}};
 }
 
-static Json optionsJson(const Case& which) {
-    Json options = {{"influences", std::to_string(which.influences)},
-                    {"submission", which.submission == Submission::batched ? "batched" : "per-copy"},
-                    {"back_faces", which.keepBackFaces ? "kept" : "culled"}};
-    if (which.variant->fetches && which.route->dialect == MeshDialect::none)
-        options["vertex_fetch"] = which.fetch == VertexFetch::pull ? "pull" : "attributes";
-    if (which.variant == findVariant("compute")) options["compute"] = computeName(which.compute);
-    if (usesPartition(which)) options["palette_slots"] = std::to_string(which.paletteSlots);
-    if (which.builder) {
-        options["meshlet_vertices"] = std::to_string(which.limits.vertices);
-        options["meshlet_triangles"] = std::to_string(which.limits.triangles);
-        options["group_size"] = std::to_string(which.groupSize);
-        if (which.route->dialect == MeshDialect::nv) options["index_writes"] = which.packedWrites ? "packed" : "single";
-        options["joints"] = jointSourceName(which.shape.joints);
-        options["loads"] = which.shape.clampedLoads ? "clamped" : "guarded";
-        options["records"] = which.shape.orderedRecords ? "ordered" : "indexed";
-        options["palette"] = which.shape.uniformPalette ? "uniform" : "storage";
-        if (which.cull != Cull::off) options["exchange"] = exchangeName(which.exchange);
-        if (sharesJointLists(which)) {
-            options["ci_grouping"] = ciGroupingName(which.common.grouping);
-            if (which.common.grouping == CiGrouping::triangles) options["ci_key"] = ciKeyName(which.common.key);
-            options["ci_min"] = std::to_string(which.common.minVertices);
-            options["ci_vertices"] = which.common.fat ? "fat" : "slim";
-        }
+// Keys of the case itself, or of its `options`; the latter hold what means something to the case, as words.
+static void addAxes(Json& to, const Case& c, bool topLevel) {
+    for (const Axis& axis : axes()) {
+        if (!axis.benched || axis.topLevel != topLevel || (!topLevel && !axis.applies(c))) continue;
+        const std::string word = axis.get(c);
+        to[axis.name] = word.empty() ? Json(nullptr) : Json(word);
+    }
+}
+
+static Json optionsJson(const Case& c) {
+    Json options = Json::object();
+    addAxes(options, c, false);
+    if (c.builder) {
+        options["meshlet_vertices"] = std::to_string(c.limits.vertices);
+        options["meshlet_triangles"] = std::to_string(c.limits.triangles);
     }
     return options;
+}
+
+Json axesJson() {
+    Json rows = Json::array();
+    for (const Axis& axis : axes()) {
+        if (!axis.benched) continue;
+        rows.push_back({{"name", axis.name},
+                        {"option", "--" + axis.option.name},
+                        {"changes", changesName(axis.changes)},
+                        {"top_level", axis.topLevel},
+                        {"usual", axis.usual.empty() ? Json(nullptr) : Json(axis.usual)},
+                        {"values", axis.words},
+                        {"beside", axis.beside.empty() ? Json(nullptr) : Json(axis.beside)}});
+    }
+    return rows;
 }
 
 static const char* statusName(CaseStatus status) {
@@ -213,33 +219,27 @@ static Json limitJson(const std::vector<CaseResult>& results, const CaseResult& 
 }
 
 static Json caseJson(const RunContext& context, const std::vector<CaseResult>& results, const CaseResult& result) {
-    const Case& which = result.which;
+    const Case& c = result.theCase;
     const bool timed = isTimed(result);
-    return {{"id", result.id},
-            {"route", which.route->name},
-            {"variant", which.variant->name},
-            {"codec", which.codec->name},
-            {"builder", which.builder ? Json(which.builder->name) : Json(nullptr)},
-            {"layout", which.layout ? Json(which.layout->name) : Json(nullptr)},
-            {"cull", cullName(which.cull)},
-            {"scenario", scenarioName(which.scenario)},
-            {"raster", rasterName(which.raster)},
-            {"options", optionsJson(which)},
-            {"status", statusName(result.status)},
-            {"reason", result.status == CaseStatus::ok ? Json(nullptr) : Json(result.reason)},
-            {"gpu_ms", timed ? timesJson(result) : Json(nullptr)},
-            {"passes_ms", timed ? passesJson(result) : Json(nullptr)},
-            {"unserialised_ms", timed ? overlapJson(result) : Json(nullptr)},
-            {"host_ms",
-             timed ? Json{{"record", summarise(result.record).median}, {"submit", summarise(result.submit).median}}
-                   : Json(nullptr)},
-            {"limit_ms", limitJson(results, result)},
-            {"limit_id", result.limitId.empty() ? Json(nullptr) : Json(result.limitId)},
-            {"achieved", timed ? achievedJson(context, result) : Json(nullptr)},
-            {"counters", countersJson(result.counters)},
-            {"meshlets", which.builder && result.meshlets ? Json(result.meshlets) : Json(nullptr)},
-            {"memory_bytes", memoryJson(result.memory)},
-            {"accuracy", accuracyJson(result)}};
+    Json json = {{"id", result.id}};
+    addAxes(json, c, true);
+    json.update(Json{{"options", optionsJson(c)},
+                     {"status", statusName(result.status)},
+                     {"reason", result.status == CaseStatus::ok ? Json(nullptr) : Json(result.reason)},
+                     {"gpu_ms", timed ? timesJson(result) : Json(nullptr)},
+                     {"passes_ms", timed ? passesJson(result) : Json(nullptr)},
+                     {"unserialised_ms", timed ? overlapJson(result) : Json(nullptr)},
+                     {"host_ms", timed ? Json{{"record", summarise(result.record).median},
+                                              {"submit", summarise(result.submit).median}}
+                                       : Json(nullptr)},
+                     {"limit_ms", limitJson(results, result)},
+                     {"limit_id", result.limitId.empty() ? Json(nullptr) : Json(result.limitId)},
+                     {"achieved", timed ? achievedJson(context, result) : Json(nullptr)},
+                     {"counters", countersJson(result.counters)},
+                     {"meshlets", c.builder && result.meshlets ? Json(result.meshlets) : Json(nullptr)},
+                     {"memory_bytes", memoryJson(result.memory)},
+                     {"accuracy", accuracyJson(result)}});
+    return json;
 }
 
 static Json limitsJson(const std::vector<CaseResult>& results) {
@@ -247,8 +247,8 @@ static Json limitsJson(const std::vector<CaseResult>& results) {
     for (const CaseResult& result : results) {
         if (!result.isLimit) continue;
         limits.push_back({{"id", result.id},
-                          {"route", result.which.route->name},
-                          {"raster", rasterName(result.which.raster)},
+                          {"route", result.theCase.route->name},
+                          {"raster", findAxis("raster")->get(result.theCase)},
                           {"status", statusName(result.status)},
                           {"reason", result.status == CaseStatus::ok ? Json(nullptr) : Json(result.reason)},
                           {"gpu_ms", isTimed(result) ? timesJson(result) : Json(nullptr)},
@@ -261,7 +261,7 @@ static Json limitsJson(const std::vector<CaseResult>& results) {
 static Json peakJson(const RunContext& context, const std::vector<CaseResult>& results, Api api) {
     double most = 0;
     for (const CaseResult& result : results)
-        if (result.isLimit && result.which.route->api == api && isTimed(result) && summarise(result.total).median > 0)
+        if (result.isLimit && result.theCase.route->api == api && isTimed(result) && summarise(result.total).median > 0)
             most = std::max(most, static_cast<double>(context.scene.triangles) * context.workload.copies /
                                       (summarise(result.total).median * 1e-3));
     auto copied = context.copyBandwidth.find(api);
@@ -316,7 +316,7 @@ constexpr double kResolution = 0.001;
 // chance, those of 99.5 % one in 700 (simulated as in test_stats.cpp).
 constexpr double kSelfTestLevel = 0.995;
 
-static bool skinsOnHost(const CaseResult& result) { return result.which.variant == findVariant("cpu"); }
+static bool skinsOnHost(const CaseResult& result) { return result.theCase.variant->skinsOnHost; }
 
 std::optional<double> noiseFloor(const std::vector<CaseResult>& results) {
     std::optional<double> floor;
@@ -409,6 +409,7 @@ Json resultsJson(const RunContext& context, const std::vector<CaseResult>& resul
             {"calibrations", calibrations},
             {"noise_floor", floor ? Json(*floor) : Json(nullptr)},
             {"self_test", context.bench.selfTest ? selfTestJson(results) : Json(nullptr)},
+            {"axes", axesJson()},
             {"limits", limitsJson(results)},
             {"cases", cases}};
 }

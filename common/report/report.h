@@ -53,6 +53,9 @@ nlohmann::ordered_json resultsJson(const RunContext& context, const std::vector<
 // The block "scene" of result and inspect files.
 nlohmann::ordered_json sceneJson(const std::string& name, const SceneStats& stats);
 
+// The table of axes, for readers of the file: what may differ between cases, and what that changes.
+nlohmann::ordered_json axesJson();
+
 nlohmann::ordered_json capsJson(const DeviceCaps& caps);
 
 // One line a case, the columns named in the first line; quoted as RFC 4180 says.

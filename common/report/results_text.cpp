@@ -20,20 +20,25 @@ static std::string csvField(const Json& value) {
 }
 
 std::string resultsCsv(const Json& results) {
-    const std::vector<std::string> plain = {"id",       "route",  "variant", "codec",  "builder",  "layout",  "cull",
-                                            "scenario", "raster", "status",  "reason", "limit_ms", "meshlets"};
+    const std::vector<std::string> plain = {"status", "reason", "limit_ms", "meshlets"};
     const std::vector<std::pair<std::string, std::vector<std::string>>> nested = {
         {"gpu_ms", {"mean", "median", "min", "max", "cv"}},
         {"passes_ms", {"skin", "depth", "draw"}},
         {"memory_bytes", {"vertex", "index", "meshlet", "additional_meshlet", "tuple", "palette", "skinned", "total"}},
         {"accuracy", {"max_position_error", "max_normal_error", "tolerance"}}};
-    std::string text = "scene";
+    const Json columns = results.value("axes", axesJson());
+    std::string text = "scene,id";
+    for (const Json& axis : columns) text += "," + axis["name"].get<std::string>();
     for (const std::string& name : plain) text += "," + name;
     for (const auto& [group, names] : nested)
         for (const std::string& name : names) text += "," + group + "_" + name;
     text += "\n";
     for (const Json& row : results["cases"]) {
-        text += csvField(results["scene"]["name"]);
+        text += csvField(results["scene"]["name"]) + "," + csvField(row["id"]);
+        for (const Json& axis : columns) {
+            const Json& holder = axis["top_level"] ? row : row["options"];
+            text += "," + csvField(holder.value(axis["name"].get<std::string>(), Json(nullptr)));
+        }
         for (const std::string& name : plain) text += "," + csvField(row[name]);
         for (const auto& [group, names] : nested)
             for (const std::string& name : names)
@@ -118,7 +123,7 @@ static const char* lacks(const Json& object, const std::vector<const char*>& key
 
 Result<Json> loadResults(const std::string& path) {
     auto text = readWholeFile(path);
-    if (!text) return std::unexpected(text.error());
+    SKINBENCH_TRY(text);
     Json json = Json::parse(*text, nullptr, false);
     if (json.is_discarded()) return inputError(path + ": is not JSON");
     if (!json.is_object() || !json.contains("schema") || json["schema"] != kResultsSchema)

@@ -45,7 +45,7 @@ glm::dvec4 slerpShort(const glm::dvec4& from, glm::dvec4 to, double t) {
 }
 
 glm::dvec4 sampleCubic(const Channel& channel, const KeySpan& span) {
-    const auto value = [&](size_t key, size_t which) { return glm::dvec4(channel.values[key * 3 + which]); };
+    const auto value = [&](size_t key, size_t c) { return glm::dvec4(channel.values[key * 3 + c]); };
     if (span.first == span.second) return value(span.first, 1);
     const double t = span.t, t2 = t * t, t3 = t2 * t;
     return (2 * t3 - 3 * t2 + 1) * value(span.first, 1) + span.seconds * (t3 - 2 * t2 + t) * value(span.first, 2) +

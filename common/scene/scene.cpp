@@ -231,11 +231,11 @@ void orderForCache(Mesh& mesh, const std::vector<Part>& parts) {
 Result<Scene> loadBuiltin(const std::string& name) {
     const std::string rest = name.substr(name.find(':') + 1);
     const size_t colon = rest.find(':');
-    const std::string which = rest.substr(0, colon);
+    const std::string c = rest.substr(0, colon);
     std::string known;
     for (const BuiltinScene& scene : builtinScenes()) {
         known += (known.empty() ? "" : ", ") + std::string(scene.name);
-        if (which != scene.name) continue;
+        if (c != scene.name) continue;
         uint32_t vertices = scene.defaultVertices;
         if (colon != rest.npos) {
             const char* end = rest.data() + rest.size();
@@ -244,9 +244,9 @@ Result<Scene> loadBuiltin(const std::string& name) {
                 return inputError(std::format("{}: \"{}\" is not a number of vertices from {} to {}", name,
                                               rest.substr(colon + 1), kMinBuiltinVertices, kMaxBuiltinVertices));
         }
-        return makeBuiltin(which, vertices);
+        return makeBuiltin(c, vertices);
     }
-    return inputError(std::format("{}: there is no built-in scene \"{}\"; choose one of {}", name, which, known));
+    return inputError(std::format("{}: there is no built-in scene \"{}\"; choose one of {}", name, c, known));
 }
 
 }  // namespace
@@ -291,7 +291,7 @@ Result<Scene> prepareScene(Scene scene, const PrepareOptions& options) {
         return inputError(
             std::format("{} influences a vertex cannot be kept; choose 1 to {}", options.influences, kMaxInfluences));
     const uint32_t repaired = normalizeNormals(scene.mesh);
-    if (auto ok = checkScene(scene); !ok) return std::unexpected(ok.error());
+    SKINBENCH_TRY(checkScene(scene));
     if (repaired > 0) scene.warnings.push_back(std::format("{} normals had no direction; set to +z", repaired));
 
     const DroppedWeight dropped = cleanWeights(scene.mesh, options.influences);

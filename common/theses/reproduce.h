@@ -92,9 +92,6 @@ struct Reproduction {
     std::vector<std::string> unavailable;  // one sentence each: what the theses hold that is not known here, and why
 };
 
-// `torabi` or `kimmersdorfer`, in this order on the command line's help.
-const std::vector<const char*>& theses();
-
 // The scenes were inspected with every CiKey and the default limits, and ran the cases that apps/cmd_reproduce.cpp
 // lists. Runs or cases that are missing leave rows out.
 Reproduction reproduceTorabi(const std::vector<ReproduceScene>& scenes);

@@ -9,7 +9,7 @@ using Json = nlohmann::ordered_json;
 
 Result<RoundedErrors> roundedErrors(const Scene& stored) {
     auto scene = prepareScene(stored, {4, Geometry::unwelded, false});
-    if (!scene) return std::unexpected(scene.error());
+    SKINBENCH_TRY(scene);
     RoundedErrors errors;
     errors.stats = sceneStats(*scene);
     for (int bits : {8, 10, 16, 21}) {
@@ -311,11 +311,9 @@ ReproduceTable timeTable(const std::vector<ReproduceScene>& scenes) {
     table.bars = true;
     for (const ReproduceScene& scene : scenes)
         for (const ReproduceRun& run : scene.runs)
-            for (const Json& which : run.results["cases"]) {
-                if (which["status"] == "skipped") continue;
-                auto word = [&](const char* key) {
-                    return which[key].is_string() ? which[key].get<std::string>() : "";
-                };
+            for (const Json& c : run.results["cases"]) {
+                if (c["status"] == "skipped") continue;
+                auto word = [&](const char* key) { return c[key].is_string() ? c[key].get<std::string>() : ""; };
                 CaseKey baseline = {{"codec", "pc"}};
                 for (const char* key : {"route", "variant", "builder", "layout", "raster"}) baseline[key] = word(key);
                 const Json* base = findCase(run.results, baseline);
@@ -323,7 +321,7 @@ ReproduceTable timeTable(const std::vector<ReproduceScene>& scenes) {
                 const auto published = mesh && run.geometry == Geometry::unwelded
                                            ? lookUp(publishedKimmersdorfer().timesOverPc, word("codec"))
                                            : std::nullopt;
-                Figure ours = base ? timeRatio(run.results, which, *base) : wordFigure("no baseline");
+                Figure ours = base ? timeRatio(run.results, c, *base) : wordFigure("no baseline");
                 if (word("status") == "failed") ours = wordFigure("failed");
                 table.rows.push_back(
                     {{sceneOf(scene), geometryName(run.geometry), word("route"),
@@ -331,8 +329,8 @@ ReproduceTable timeTable(const std::vector<ReproduceScene>& scenes) {
                      ours,
                      word("codec") == "pc" ? wordFigure("baseline") : publishedOr(published, threeDigits),
                      ratioTo(ours, published),
-                     {base ? ratioInterval(which, *base) : Figure{},
-                      medianOf(which) ? figureOf(*medianOf(which), milliseconds) : Figure{}},
+                     {base ? ratioInterval(c, *base) : Figure{},
+                      medianOf(c) ? figureOf(*medianOf(c), milliseconds) : Figure{}},
                      published.has_value()});
             }
     table.notes = timeNotes(runsOf(scenes));

@@ -41,23 +41,23 @@ CaseKey with(CaseKey key, const CaseKey& more) {
     return key;
 }
 
-static std::string valueOf(const Json& which, const std::string& name) {
-    for (const Json* group : {&which, which.contains("options") ? &which["options"] : nullptr})
+static std::string valueOf(const Json& c, const std::string& name) {
+    for (const Json* group : {&c, c.contains("options") ? &c["options"] : nullptr})
         if (group && group->contains(name) && (*group)[name].is_string()) return (*group)[name].get<std::string>();
     return {};
 }
 
 const Json* findCase(const Json& results, const CaseKey& key) {
-    for (const Json& which : results["cases"])
-        if (std::ranges::all_of(key, [&](const auto& word) { return valueOf(which, word.first) == word.second; }))
-            return &which;
+    for (const Json& c : results["cases"])
+        if (std::ranges::all_of(key, [&](const auto& word) { return valueOf(c, word.first) == word.second; }))
+            return &c;
     return nullptr;
 }
 
 std::vector<std::string> valuesOf(const Json& results, const std::string& key) {
     std::vector<std::string> values;
-    for (const Json& which : results["cases"])
-        if (const std::string value = valueOf(which, key); std::ranges::find(values, value) == values.end())
+    for (const Json& c : results["cases"])
+        if (const std::string value = valueOf(c, key); std::ranges::find(values, value) == values.end())
             values.push_back(value);
     return values;
 }
@@ -71,13 +71,13 @@ bool onSoftware(const Json& results, const std::string& route) {
 
 std::string plainRoute(const std::string& route) { return route.substr(0, route.find('-')); }
 
-std::optional<double> medianOf(const Json& which) {
-    if (which["gpu_ms"].is_null()) return {};
-    return which["gpu_ms"]["median"].get<double>();
+std::optional<double> medianOf(const Json& c) {
+    if (c["gpu_ms"].is_null()) return {};
+    return c["gpu_ms"]["median"].get<double>();
 }
 
-static bool softwareCase(const Json& results, const Json& which) {
-    return onSoftware(results, which["route"].get<std::string>());
+static bool softwareCase(const Json& results, const Json& c) {
+    return onSoftware(results, c["route"].get<std::string>());
 }
 
 Figure markedSoftware(Figure figure) {
@@ -86,22 +86,22 @@ Figure markedSoftware(Figure figure) {
     return figure;
 }
 
-Figure timeRatio(const Json& results, const Json& which, const Json& base) {
-    const auto time = medianOf(which), baseTime = medianOf(base);
+Figure timeRatio(const Json& results, const Json& c, const Json& base) {
+    const auto time = medianOf(c), baseTime = medianOf(base);
     if (!time || !baseTime || *baseTime <= 0) return wordFigure("not measured");
     const Figure ratio = figureOf(*time / *baseTime, threeDigits);
-    return softwareCase(results, which) || softwareCase(results, base) ? markedSoftware(ratio) : ratio;
+    return softwareCase(results, c) || softwareCase(results, base) ? markedSoftware(ratio) : ratio;
 }
 
-static std::optional<Range> intervalOf(const Json& which) {
-    if (which["gpu_ms"].is_null() || !which["gpu_ms"].contains("interval")) return {};
-    const Json& interval = which["gpu_ms"]["interval"];
+static std::optional<Range> intervalOf(const Json& c) {
+    if (c["gpu_ms"].is_null() || !c["gpu_ms"].contains("interval")) return {};
+    const Json& interval = c["gpu_ms"]["interval"];
     if (!interval.is_array() || interval.size() != 2 || !interval[0].is_number() || !interval[1].is_number()) return {};
     return Range{interval[0].get<double>(), interval[1].get<double>()};
 }
 
-Figure ratioInterval(const Json& which, const Json& base) {
-    const auto own = intervalOf(which), other = intervalOf(base);
+Figure ratioInterval(const Json& c, const Json& base) {
+    const auto own = intervalOf(c), other = intervalOf(base);
     if (!own || !other || other->low <= 0) return {};
     return figureOf(Range{own->low / other->high, own->high / other->low}, threeDigits);
 }
@@ -110,12 +110,12 @@ std::vector<std::string> timeNotes(const std::vector<const ReproduceRun*>& runs)
     bool software = false, intervals = false;
     std::map<std::pair<std::string, std::string>, size_t> left;  // route, reason -> cases
     for (const ReproduceRun* run : runs)
-        for (const Json& which : run->results["cases"]) {
-            software = software || (medianOf(which) && softwareCase(run->results, which));
-            intervals = intervals || intervalOf(which);
-            if (which["status"] != "ok")
-                ++left[{which["route"].get<std::string>() + " " + which["status"].get<std::string>(),
-                        which["reason"].is_string() ? which["reason"].get<std::string>() : "no reason given"}];
+        for (const Json& c : run->results["cases"]) {
+            software = software || (medianOf(c) && softwareCase(run->results, c));
+            intervals = intervals || intervalOf(c);
+            if (c["status"] != "ok")
+                ++left[{c["route"].get<std::string>() + " " + c["status"].get<std::string>(),
+                        c["reason"].is_string() ? c["reason"].get<std::string>() : "no reason given"}];
         }
     std::vector<std::string> notes;
     if (software)
@@ -137,11 +137,6 @@ std::vector<const ReproduceRun*> runsOf(const std::vector<ReproduceScene>& scene
 }
 
 const std::string& sceneOf(const ReproduceScene& scene) { return scene.inspection.scene; }
-
-const std::vector<const char*>& theses() {
-    static const std::vector<const char*> names = {"torabi", "kimmersdorfer"};
-    return names;
-}
 
 const CodecRow* codecRow(const ReproduceScene& scene, Geometry geometry, const Builder* builder,
                          const std::string& codec) {

@@ -52,18 +52,18 @@ bool onSoftware(const nlohmann::ordered_json& results, const std::string& route)
 std::string plainRoute(const std::string& route);
 
 // Median milliseconds a frame; empty where the case has no time.
-std::optional<double> medianOf(const nlohmann::ordered_json& which);
+std::optional<double> medianOf(const nlohmann::ordered_json& c);
 
 // Marks the time of a software driver.
 Figure markedSoftware(Figure figure);
 
 // Median over median, marked where a software driver took part.
-Figure timeRatio(const nlohmann::ordered_json& results, const nlohmann::ordered_json& which,
+Figure timeRatio(const nlohmann::ordered_json& results, const nlohmann::ordered_json& c,
                  const nlohmann::ordered_json& base);
 
 // From the 95 % intervals of both medians: the smallest and the largest ratio that they allow. Empty where a case has
 // no interval.
-Figure ratioInterval(const nlohmann::ordered_json& which, const nlohmann::ordered_json& base);
+Figure ratioInterval(const nlohmann::ordered_json& c, const nlohmann::ordered_json& base);
 
 // Explains the mark, the intervals and what was skipped or failed, as far as they occur in these runs.
 std::vector<std::string> timeNotes(const std::vector<const ReproduceRun*>& runs);

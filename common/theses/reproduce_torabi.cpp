@@ -59,13 +59,11 @@ template <class Visit>
 void eachCase(const ReproduceRun& run, const CaseKey& key, const Visit& visit) {
     for (const std::string& route : valuesOf(run.results, "route"))
         for (const std::string& raster : valuesOf(run.results, "raster"))
-            if (const Json* which = findCase(run.results, with(key, {{"route", route}, {"raster", raster}})))
-                visit(*which, route, raster);
+            if (const Json* c = findCase(run.results, with(key, {{"route", route}, {"raster", raster}})))
+                visit(*c, route, raster);
 }
 
-Figure failedOr(const Json& which, const Figure& figure) {
-    return which["status"] == "failed" ? wordFigure("failed") : figure;
-}
+Figure failedOr(const Json& c, const Figure& figure) { return c["status"] == "failed" ? wordFigure("failed") : figure; }
 
 // --- meshlets --------------------------------------------------------------------------------------------------
 
@@ -137,8 +135,8 @@ ReproduceTable accuracyTable(const std::vector<ReproduceScene>& scenes) {
             const ReproduceRun* run = orderedRun(scene, true);
             if (!run) continue;
             eachCase(*run, with(method.key, {{"scenario", "direct"}}),
-                     [&](const Json& which, const std::string& route, const std::string& raster) {
-                         const Json& accuracy = which["accuracy"];
+                     [&](const Json& c, const std::string& route, const std::string& raster) {
+                         const Json& accuracy = c["accuracy"];
                          if (accuracy.is_null() || raster != valuesOf(run->results, "raster").front()) return;
                          auto cell = [&](const char* key) {
                              return accuracy[key].is_number() ? figureOf(accuracy[key].get<double>(), scientific)
@@ -183,8 +181,8 @@ ReproduceTable memoryTable(const std::vector<ReproduceScene>& scenes) {
         std::optional<double> baseline;
         auto memoryOf = [&](const CaseKey& key) {
             const Json* found = nullptr;
-            eachCase(*run, with(key, {{"scenario", "direct"}}), [&](const Json& which, auto&, auto&) {
-                if (!found && which["memory_bytes"].is_object()) found = &which["memory_bytes"];
+            eachCase(*run, with(key, {{"scenario", "direct"}}), [&](const Json& c, auto&, auto&) {
+                if (!found && c["memory_bytes"].is_object()) found = &c["memory_bytes"];
             });
             return found;
         };
@@ -229,23 +227,22 @@ ReproduceTable timeTable(const std::vector<ReproduceScene>& scenes, const std::s
         const ReproduceRun* run = orderedRun(scene, true);
         if (!run) continue;
         for (const Method& method : methods())
-            eachCase(*run, with(method.key, {{"scenario", scenario}}),
-                     [&](const Json& which, const std::string& route, const std::string& raster) {
-                         if (which["status"] == "skipped") return;
-                         const CaseKey baseline =
-                             with(kFiveAttributes,
-                                  {{"scenario", scenario}, {"route", plainRoute(route)}, {"raster", raster}});
-                         const Json* base = findCase(run->results, baseline);
-                         ReproduceRow row{
-                             {sceneOf(scene), route, method.name, raster},
-                             failedOr(which, base ? timeRatio(run->results, which, *base) : wordFigure("no baseline")),
-                             direct ? method.published : notAvailable(),
-                             {},
-                             {base ? ratioInterval(which, *base) : Figure{},
-                              medianOf(which) ? figureOf(*medianOf(which), milliseconds) : Figure{}}};
-                         row.headline = direct && method.headline;
-                         table.rows.push_back(std::move(row));
-                     });
+            eachCase(
+                *run, with(method.key, {{"scenario", scenario}}),
+                [&](const Json& c, const std::string& route, const std::string& raster) {
+                    if (c["status"] == "skipped") return;
+                    const CaseKey baseline = with(
+                        kFiveAttributes, {{"scenario", scenario}, {"route", plainRoute(route)}, {"raster", raster}});
+                    const Json* base = findCase(run->results, baseline);
+                    ReproduceRow row{{sceneOf(scene), route, method.name, raster},
+                                     failedOr(c, base ? timeRatio(run->results, c, *base) : wordFigure("no baseline")),
+                                     direct ? method.published : notAvailable(),
+                                     {},
+                                     {base ? ratioInterval(c, *base) : Figure{},
+                                      medianOf(c) ? figureOf(*medianOf(c), milliseconds) : Figure{}}};
+                    row.headline = direct && method.headline;
+                    table.rows.push_back(std::move(row));
+                });
     }
     table.notes = timeNotes(runsOf(scenes));
     return table;
@@ -265,12 +262,12 @@ ReproduceTable perMeshletTable(const std::vector<ReproduceScene>& scenes) {
         const ReproduceRun* run = orderedRun(scene, true);
         if (!run) continue;
         eachCase(*run, with(kSlim, {{"scenario", "direct"}}),
-                 [&](const Json& which, const std::string& route, const std::string& raster) {
+                 [&](const Json& c, const std::string& route, const std::string& raster) {
                      const Json* naive = findCase(
                          run->results, with(kNaive, {{"scenario", "direct"}, {"route", route}, {"raster", raster}}));
-                     if (!naive || !medianOf(which) || !medianOf(*naive) || *medianOf(*naive) <= 0) return;
-                     const double own = which["meshlets"], other = (*naive)["meshlets"];
-                     const double ratio = *medianOf(which) / own / (*medianOf(*naive) / other);
+                     if (!naive || !medianOf(c) || !medianOf(*naive) || *medianOf(*naive) <= 0) return;
+                     const double own = c["meshlets"], other = (*naive)["meshlets"];
+                     const double ratio = *medianOf(c) / own / (*medianOf(*naive) / other);
                      Figure ours = figureOf(ratio, threeDigits);
                      if (onSoftware(run->results, route)) ours = markedSoftware(ours);
                      const Range published = {1 - less.high, 1 - less.low};
@@ -279,7 +276,7 @@ ReproduceTable perMeshletTable(const std::vector<ReproduceScene>& scenes) {
                                       figureOf(published, twoDigits),
                                       ratioTo(ours, published),
                                       {figureOf(own, wholeNumber), figureOf(other, wholeNumber),
-                                       timeRatio(run->results, which, *naive)}};
+                                       timeRatio(run->results, c, *naive)}};
                      row.headline = true;
                      table.rows.push_back(std::move(row));
                  });
@@ -310,21 +307,21 @@ ReproduceTable chapterTable(const std::string& id, const std::string& title, con
 void addComparison(ReproduceTable& table, const ReproduceScene& scene, const ReproduceRun& run,
                    const ReproduceRun& baseRun, const Comparison& what) {
     eachCase(run, with(what.key, {{"scenario", "direct"}}),
-             [&](const Json& which, const std::string& route, const std::string& raster) {
+             [&](const Json& c, const std::string& route, const std::string& raster) {
                  const Json* base =
                      findCase(baseRun.results,
                               with(what.baseline, {{"scenario", "direct"}, {"route", route}, {"raster", raster}}));
-                 if (!base || which["status"] == "skipped") return;
+                 if (!base || c["status"] == "skipped") return;
                  Figure memory;
-                 if (which["memory_bytes"].is_object() && (*base)["memory_bytes"].is_object())
+                 if (c["memory_bytes"].is_object() && (*base)["memory_bytes"].is_object())
                      memory = figureOf(
-                         which["memory_bytes"]["total"].get<double>() / (*base)["memory_bytes"]["total"].get<double>(),
+                         c["memory_bytes"]["total"].get<double>() / (*base)["memory_bytes"]["total"].get<double>(),
                          threeDigits);
                  table.rows.push_back({{sceneOf(scene), route, what.name, raster},
-                                       failedOr(which, timeRatio(run.results, which, *base)),
+                                       failedOr(c, timeRatio(run.results, c, *base)),
                                        notAvailable(),
                                        {},
-                                       {ratioInterval(which, *base), memory},
+                                       {ratioInterval(c, *base), memory},
                                        table.id != "section-5.1.1"});
              });
 }
@@ -417,14 +414,13 @@ Slip baselineSlip(const std::vector<ReproduceScene>& scenes) {
         const ReproduceRun* run = orderedRun(scene, true);
         if (!run) continue;
         eachCase(*run, with(kFiveAttributes, {{"scenario", "direct"}}),
-                 [&](const Json& which, const std::string& route, const std::string& raster) {
+                 [&](const Json& c, const std::string& route, const std::string& raster) {
                      const Json* pull = findCase(
                          run->results, with(kPulling, {{"scenario", "direct"}, {"route", route}, {"raster", raster}}));
-                     if (!pull || !medianOf(which) || !medianOf(*pull)) return;
-                     arithmetic +=
-                         std::format(" {}, {}, {}: five attributes / pulling {}/{} = {}.", sceneOf(scene), route,
-                                     raster, milliseconds(*medianOf(which)), milliseconds(*medianOf(*pull)),
-                                     timeRatio(run->results, which, *pull).text);
+                     if (!pull || !medianOf(c) || !medianOf(*pull)) return;
+                     arithmetic += std::format(" {}, {}, {}: five attributes / pulling {}/{} = {}.", sceneOf(scene),
+                                               route, raster, milliseconds(*medianOf(c)),
+                                               milliseconds(*medianOf(*pull)), timeRatio(run->results, c, *pull).text);
                  });
     }
     return {"4, baseline", "the vertex stage is fed by five attributes", arithmetic,

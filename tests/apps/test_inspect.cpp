@@ -187,7 +187,7 @@ TEST_CASE("codec rows and attribute errors") {
                 continue;
             }
             const MeshletMesh cut = row.builder->build(mesh, settings.limits);
-            CHECK(!row.codec->encode(mesh, &cut, influences));
+            CHECK(!row.codec->encode({mesh, &cut, influences}));
             CHECK(row.vertexBytes == 0);
             CHECK(row.errors.weight.max == 0);
         }

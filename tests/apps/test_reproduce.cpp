@@ -54,13 +54,13 @@ double valueOf(const Figure& figure) {
 // A timed case as bench would write it.
 CaseResult timed(const char* route, const char* variant, double milliseconds) {
     CaseResult result;
-    Case& which = result.which;
-    which = makeCase(route, variant);
-    if (which.builder) {
-        which.builder = findBuilder("scan");
-        which.common.grouping = CiGrouping::triangles;
-        which.common.key = CiKey::ordered;
-        result.meshlets = which.variant == findVariant("mesh") ? 100 : 125;
+    Case& c = result.theCase;
+    c = makeCase(route, variant);
+    if (c.builder) {
+        c.builder = findBuilder("scan");
+        c.ci.grouping = CiGrouping::triangles;
+        c.ci.key = CiKey::ordered;
+        result.meshlets = c.variant == findVariant("mesh") ? 100 : 125;
     }
     result.status = CaseStatus::ok;
     result.total = {milliseconds, milliseconds, milliseconds};
@@ -82,7 +82,7 @@ Json resultsOf(std::vector<CaseResult> results) {
     vulkan.software = true;
     context.devices = {vulkan, generousCaps(Api::opengl)};
     context.sceneName = "hero";
-    for (CaseResult& result : results) result.id = caseId(result.which);
+    for (CaseResult& result : results) result.id = caseId(result.theCase);
     return resultsJson(context, results);
 }
 
@@ -179,10 +179,10 @@ TEST_CASE("times are ratios to their baseline, marked where a software driver to
     ReproduceScene scene =
         sceneWith({timed("vk", "vertex", 2), timed("vk-ext", "mesh", 3), timed("vk-ext", "mesh-ci", 3.15),
                    timed("gl", "vertex", 4), timed("gl-ext", "mesh", 2), skipped, failed});
-    for (Json& which : scene.runs[0].results["cases"])
-        if (which["route"] == "gl" || which["route"] == "gl-ext") {
-            const double median = which["gpu_ms"].is_null() ? 0 : which["gpu_ms"]["median"].get<double>();
-            if (median > 0) which["gpu_ms"]["interval"] = {median * 0.9, median * 1.2};
+    for (Json& c : scene.runs[0].results["cases"])
+        if (c["route"] == "gl" || c["route"] == "gl-ext") {
+            const double median = c["gpu_ms"].is_null() ? 0 : c["gpu_ms"]["median"].get<double>();
+            if (median > 0) c["gpu_ms"]["interval"] = {median * 0.9, median * 1.2};
         }
     const Reproduction all = reproduceTorabi({scene});
     const ReproduceTable table = tableOf(all, "figs-4.2-4.3");
@@ -331,9 +331,9 @@ TEST_CASE("reproduce as a user calls it") {
         CHECK(json["thesis"]["name"] == thesis);
         CHECK(json["runs"].size() == 2);
         for (const Json& run : json["runs"])
-            for (const Json& which : run["cases"]) {
-                INFO(which["id"] << " " << which["reason"]);
-                CHECK(which["status"] != "failed");
+            for (const Json& c : run["cases"]) {
+                INFO(c["id"] << " " << c["reason"]);
+                CHECK(c["status"] != "failed");
             }
         size_t timesAsRatios = 0;
         for (const Json& table : json["tables"])

@@ -16,14 +16,14 @@ using Catch::Matchers::ContainsSubstring;
 namespace {
 
 Case meshCase(const char* builder, int influences = 4) {
-    Case which;
-    which.route = findRoute("vk-ext");
-    which.variant = findVariant("mesh");
-    which.codec = findCodec("uc");
-    which.builder = findBuilder(builder);
-    which.layout = findMeshletLayout("redirect");
-    which.influences = influences;
-    return which;
+    Case c;
+    c.route = findRoute("vk-ext");
+    c.variant = findVariant("mesh");
+    c.codec = findCodec("uc");
+    c.builder = findBuilder(builder);
+    c.layout = findMeshletLayout("redirect");
+    c.influences = influences;
+    return c;
 }
 
 Workload workloadOf(Scene scene, WorkloadSettings settings) {

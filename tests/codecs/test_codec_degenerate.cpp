@@ -31,7 +31,7 @@ double weightDifference(const Influences& a, const Influences& b) {
 void checkWithinBounds(const Codec& codec, const Mesh& mesh) {
     INFO("codec " << codec.name);
     const MeshletMesh cut = cutMeshlets(mesh);
-    const auto encoded = codec.encode(mesh, &cut, 4);
+    const auto encoded = codec.encode({mesh, &cut, 4});
     REQUIRE(encoded);
     const Mesh decoded = decodeOnCpu(mesh, *encoded);
     const CodecBounds bounds = encoded->bounds.value_or(CodecBounds{});
@@ -63,7 +63,7 @@ TEST_CASE("a mesh with every joint decodes within the bounds of the codecs that 
             checkWithinBounds(codec, mesh);
             continue;
         }
-        const auto refused = codec.encode(mesh, nullptr, 4);
+        const auto refused = codec.encode({mesh, nullptr, 4});
         REQUIRE(!refused);
         CHECK(refused.error().text.find("65535 joint tuples, the limit is 1024") != std::string::npos);
     }

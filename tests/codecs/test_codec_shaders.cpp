@@ -148,7 +148,7 @@ void checkSources(const Mesh& mesh, const EncodedMesh& encoded, const Mesh& deco
 std::optional<EncodedMesh> encodeFor(const glsl::Decoder& decoder, const Mesh& mesh, const MeshletMesh& meshlets) {
     const Codec* codec = findCodec(decoder.codec);
     REQUIRE(codec != nullptr);
-    auto encoded = codec->encode(mesh, codec->needsMeshlets ? &meshlets : nullptr, decoder.influences);
+    auto encoded = codec->encode({mesh, codec->needsMeshlets ? &meshlets : nullptr, decoder.influences});
     if (!encoded) {
         CHECK(encoded.error().text.size() > 20);
         return {};
@@ -233,7 +233,7 @@ TEST_CASE("shader decoders: more merged tuples than 13 bits count") {
                                               {static_cast<uint16_t>(300 + v / 256), 0.1}});
     const MeshletMesh meshlets = cutMeshlets(mesh);
     checkHolds(checkMesh(mesh, meshlets));
-    const auto encoded = *findCodec("dpdc16")->encode(mesh, &meshlets, 4);
+    const auto encoded = *findCodec("dpdc16")->encode({mesh, &meshlets, 4});
     CHECK(std::ranges::count(encoded.defines, std::pair<std::string, std::string>("MOST_TUPLES", "16384")) == 1);
 }
 
@@ -362,16 +362,16 @@ TEST_CASE("codecs that cannot hold a mesh say why") {
     const Mesh eight = randomMesh(98, 300, 20, 8);
     const MeshletMesh meshlets = cutMeshlets(four);
     for (const char* name : {"oss", "oss22", "pdc8", "pdc16", "pdc32", "dpdc16"}) {
-        const auto encoded = findCodec(name)->encode(eight, &meshlets, 8);
+        const auto encoded = findCodec(name)->encode({eight, &meshlets, 8});
         REQUIRE_FALSE(encoded);
         CHECK(encoded.error().text.find(std::string("codec ") + name + " holds 4 influences") == 0);
     }
     for (const char* name : {"pdc8", "pdc16", "pdc32", "dpdc16"}) {
-        const auto encoded = findCodec(name)->encode(four, nullptr, 4);
+        const auto encoded = findCodec(name)->encode({four, nullptr, 4});
         REQUIRE_FALSE(encoded);
         CHECK(encoded.error().text.find("needs meshlets") != std::string::npos);
     }
-    const auto narrow = findCodec("pc16")->encode(randomMesh(99, 20'000, 3000), nullptr, 4);
+    const auto narrow = findCodec("pc16")->encode({randomMesh(99, 20'000, 3000), nullptr, 4});
     REQUIRE_FALSE(narrow);
     CHECK(narrow.error().text.find("16 bits") != std::string::npos);
     CHECK(findCodec("pc20") == nullptr);

@@ -43,7 +43,7 @@ struct Sizes {
 
 void checkSizes(const char* name, const Mesh& mesh, const MeshletMesh& cut, const Sizes& wanted) {
     INFO("codec " << name);
-    const auto encoded = findCodec(name)->encode(mesh, &cut, 4);
+    const auto encoded = findCodec(name)->encode({mesh, &cut, 4});
     REQUIRE(encoded);
     CHECK(encoded->vertexCount == wanted.vertices);
     CHECK(sizeOf(encoded->vertices) == wanted.vertex);
@@ -62,7 +62,7 @@ void checkSizes(const char* name, const Mesh& mesh, const MeshletMesh& cut, cons
 // The quantised attributes at `firstBytes` are those that `pc` has for the meshlet's first vertex.
 void checkFirstBytes(const char* name, const Mesh& mesh, const MeshletMesh& cut) {
     INFO("codec " << name);
-    const auto encoded = findCodec(name)->encode(mesh, &cut, 4), pc = findCodec("pc")->encode(mesh, nullptr, 4);
+    const auto encoded = findCodec(name)->encode({mesh, &cut, 4}), pc = findCodec("pc")->encode({mesh, nullptr, 4});
     REQUIRE(encoded);
     REQUIRE(pc);
     REQUIRE(encoded->firstBytes.size() == cut.meshlets.size());

@@ -33,8 +33,8 @@ TEST_CASE("a backend that draws nothing fails every case and is never timed") {
     Workload workload = tinyWorkload(2);
     auto null = openNull(generousCaps(Api::vulkan));
     std::vector<Case> cases;
-    for (const Case& which : everyCase())
-        if (which.route->api == Api::vulkan && which.view == View::shaded) cases.push_back(which);
+    for (const Case& c : everyCase())
+        if (c.route->api == Api::vulkan && c.view == View::shaded) cases.push_back(c);
     const Backends backends{{Api::vulkan, {null.get(), {}}}};
     auto results = runBench(workload, cases, backends, {}, {});
     REQUIRE(results);

@@ -9,7 +9,7 @@
 #include "common/frame/image.h"
 #include "common/measure/bench.h"
 #include "tests/cases.h"
-#include "tests/codecs/codec_test.h"
+#include "tests/codec_test.h"
 #include "tests/drivers.h"
 
 using namespace skinbench;
@@ -27,10 +27,10 @@ size_t requireVerified(Workload& workload, const std::vector<Case>& cases) {
         INFO(workload.stored.name << ": " << result.id << ": " << result.reason);
         CHECK(result.status != CaseStatus::failed);
         if (result.status == CaseStatus::skipped) {
-            const Backend* backend = openedBackends().at(result.which.route->api).backend;
+            const Backend* backend = openedBackends().at(result.theCase.route->api).backend;
             const bool limits = result.reason.find("storage buffer") != std::string::npos;
             const bool tuples = result.reason.find("joint tuples, the limit is") != std::string::npos;
-            CHECK((!backend || unsupported(result.which, backend->caps()) || limits || tuples));
+            CHECK((!backend || unsupported(result.theCase, backend->caps()) || limits || tuples));
         }
         right += result.status == CaseStatus::ok;
     }
@@ -53,17 +53,17 @@ Workload modelWorkload(const std::string& name, uint32_t copies) {
 std::vector<Case> plainCases(int influences, bool everyCodec = false) {
     std::set<std::string> known;
     std::vector<Case> cases;
-    for (Case which : everyCase()) {
+    for (Case c : everyCase()) {
         Case plain;
-        plain.route = which.route;
-        plain.variant = which.variant;
-        plain.codec = which.codec;
+        plain.route = c.route;
+        plain.variant = c.variant;
+        plain.codec = c.codec;
         plain.builder = findBuilder("meshopt");
-        plain.layout = which.layout ? findMeshletLayout("redirect") : nullptr;
+        plain.layout = c.layout ? findMeshletLayout("redirect") : nullptr;
         if (!plain.layout) plain.builder = nullptr;
         plain.influences = influences;
-        if (!feedsAttributes(*which.codec)) plain.fetch = which.fetch;
-        if ((everyCodec || feedsAttributes(*which.codec)) && known.insert(caseId(plain)).second) cases.push_back(plain);
+        if (!c.codec->feedsAttributes) plain.fetch = c.fetch;
+        if ((everyCodec || c.codec->feedsAttributes) && known.insert(caseId(plain)).second) cases.push_back(plain);
     }
     return cases;
 }
@@ -75,8 +75,8 @@ TEST_CASE("every case is right on every route, and the images agree") {
     Workload workload = tinyWorkload(3);
     std::vector<Case> cases;
     std::set<std::string> known;
-    for (const Case& which : everyCase())
-        if (which.view == View::shaded && known.insert(caseId(which)).second) cases.push_back(which);
+    for (const Case& c : everyCase())
+        if (c.view == View::shaded && known.insert(caseId(c)).second) cases.push_back(c);
     CHECK(requireVerified(workload, cases) > 200);
 }
 
@@ -123,10 +123,10 @@ Scene posedScene(const std::string& name, Mesh mesh) {
 TEST_CASE("degenerate meshes are right with every codec, as meshlets and as vertices") {
     if (!anyDriver()) SKIP("no Vulkan and no OpenGL driver on this machine");
     std::vector<Case> cases;
-    for (const Case& which : plainCases(4, true)) {
-        const bool mesh = which.route == findRoute("vk-ext") && which.variant == findVariant("mesh");
-        const bool vertex = which.route == findRoute("vk") && which.variant == findVariant("vertex");
-        if (mesh || vertex) cases.push_back(which);
+    for (const Case& c : plainCases(4, true)) {
+        const bool mesh = c.route == findRoute("vk-ext") && c.variant == findVariant("mesh");
+        const bool vertex = c.route == findRoute("vk") && c.variant == findVariant("vertex");
+        if (mesh || vertex) cases.push_back(c);
     }
     auto meshes = test::degenerateMeshes();
     meshes.emplace_back("every joint", test::everyJointMesh());
@@ -156,7 +156,7 @@ TEST_CASE("every shared model is right on every route") {
         const bool eight = sceneStats(**sceneFor(workload, 8)).maxInfluences > 4;
         std::vector<Case> cases = plainCases(4);
         if (eight)
-            for (const Case& which : plainCases(8)) cases.push_back(which);
+            for (const Case& c : plainCases(8)) cases.push_back(c);
         CHECK(requireVerified(workload, cases) > 5);
     }
     CHECK(loaded > 30);
@@ -168,11 +168,11 @@ TEST_CASE("the first copy stands at the top left, seen from its front, on both A
     Workload workload = tinyWorkload(5);
     for (const auto& [api, open] : openedBackends()) {
         if (!open.backend) continue;
-        Case which;
-        which.route = findRoute(api == Api::vulkan ? "vk" : "gl");
-        which.variant = findVariant("vertex");
-        which.codec = findCodec("uc");
-        auto image = renderImage(workload, which, *open.backend);
+        Case c;
+        c.route = findRoute(api == Api::vulkan ? "vk" : "gl");
+        c.variant = findVariant("vertex");
+        c.codec = findCodec("uc");
+        auto image = renderImage(workload, c, *open.backend);
         REQUIRE(image);
         auto covered = [&](uint32_t x0, uint32_t y0) {
             size_t pixels = 0;
@@ -181,12 +181,12 @@ TEST_CASE("the first copy stands at the top left, seen from its front, on both A
                     pixels += image->rgba[(size_t{y} * image->width + x) * 4] != image->rgba[0];
             return pixels;
         };
-        INFO(which.route->name);
+        INFO(c.route->name);
         const size_t all = covered(0, 0) + covered(image->width / 2, 0) + covered(0, image->height / 2) +
                            covered(image->width / 2, image->height / 2);
         CHECK(all > 100);
         // Back faces are culled: the character must still be there when they are not, with the same outline.
-        Case kept = which;
+        Case kept = c;
         kept.keepBackFaces = true;
         auto both = renderImage(workload, kept, *open.backend);
         REQUIRE(both);
@@ -205,16 +205,16 @@ TEST_CASE("culling in the mesh stage draws what the rasteriser's culling draws, 
     workload.stored.mesh.indices = half;
     workload.stored.parts.front().indexCount = static_cast<uint32_t>(half.size());
     for (const char* name : {"vk-ext", "vk-nv", "gl-ext", "gl-nv"}) {
-        Case which;
-        which.route = findRoute(name);
-        which.variant = findVariant("mesh");
-        which.codec = findCodec("uc");
-        which.builder = findBuilder("meshopt");
-        which.layout = findMeshletLayout("redirect");
-        Backend* backend = openedBackends().at(which.route->api).backend;
-        if (!backend || unsupported(which, backend->caps())) continue;
+        Case c;
+        c.route = findRoute(name);
+        c.variant = findVariant("mesh");
+        c.codec = findCodec("uc");
+        c.builder = findBuilder("meshopt");
+        c.layout = findMeshletLayout("redirect");
+        Backend* backend = openedBackends().at(c.route->api).backend;
+        if (!backend || unsupported(c, backend->caps())) continue;
         auto draw = [&](Cull cull, Exchange exchange, uint32_t groupSize, bool keep) {
-            Case drawn = which;
+            Case drawn = c;
             drawn.cull = cull;
             drawn.exchange = exchange;
             drawn.groupSize = groupSize;
@@ -233,7 +233,7 @@ TEST_CASE("culling in the mesh stage draws what the rasteriser's culling draws, 
                 for (uint32_t groupSize : {8u, 16u, 32u}) {
                     const Image image = draw(cull, exchange, groupSize, true);
                     if (image.rgba.empty()) continue;
-                    INFO(cullName(cull) << " " << exchangeName(exchange) << " " << groupSize);
+                    INFO(static_cast<int>(cull) << " " << static_cast<int>(exchange) << " " << groupSize);
                     // Torabi's test loses triangles that are seen edge-on.
                     CHECK(compareImages(culled, image, 0).fraction <= (cull == Cull::torabi ? 0.0005 : 0));
                 }
@@ -248,20 +248,20 @@ constexpr uint32_t kGridCopies = 60;
 std::vector<Case> computeCases(const char* codec = nullptr) {
     std::set<std::string> known;
     std::vector<Case> cases;
-    for (const Case& which : everyCase())
-        if (which.compute != ComputeOptions{} && which.view == View::shaded &&
-            (!codec || which.codec == findCodec(codec)) && known.insert(caseId(which)).second)
-            cases.push_back(which);
+    for (const Case& c : everyCase())
+        if (c.compute != ComputeOptions{} && c.view == View::shaded && (!codec || c.codec == findCodec(codec)) &&
+            known.insert(caseId(c)).second)
+            cases.push_back(c);
     return cases;
 }
 
 Case computeCase(Api api, const ComputeOptions& options) {
-    Case which;
-    which.route = findRoute(api == Api::vulkan ? "vk" : "gl");
-    which.variant = findVariant("compute");
-    which.codec = findCodec("uc");
-    which.compute = options;
-    return which;
+    Case c;
+    c.route = findRoute(api == Api::vulkan ? "vk" : "gl");
+    c.variant = findVariant("compute");
+    c.codec = findCodec("uc");
+    c.compute = options;
+    return c;
 }
 
 }  // namespace
@@ -286,11 +286,11 @@ TEST_CASE("half-rate skips odd copies of the far half in even frames, and no oth
         for (Submission submission : {Submission::perCopy, Submission::batched})
             for (uint32_t number : {0u, 1u}) {
                 if (!open.backend) continue;
-                Case which = computeCase(api, {.halfRate = true});
-                which.submission = submission;
-                auto input = planInput(workload, which);
+                Case c = computeCase(api, {.halfRate = true});
+                c.submission = submission;
+                auto input = planInput(workload, c);
                 REQUIRE(input);
-                auto plan = makePlan(which, *input, open.backend->caps());
+                auto plan = makePlan(c, *input, open.backend->caps());
                 REQUIRE(plan);
                 auto id = open.backend->prepare(*plan);
                 REQUIRE(id);
@@ -310,7 +310,7 @@ TEST_CASE("half-rate skips odd copies of the far half in even frames, and no oth
                     const auto part = std::span(*bytes).subspan(copy * size, size);
                     const bool untouched = std::ranges::all_of(part, [](std::byte b) { return b == std::byte{0}; });
                     const bool far = copy >= (rows + 1) / 2 * columns;
-                    INFO(caseId(which) << " frame " << number << " copy " << copy);
+                    INFO(caseId(c) << " frame " << number << " copy " << copy);
                     CHECK(untouched == (far && copy % 2 != number));
                     skipped += untouched;
                 }
@@ -323,19 +323,19 @@ TEST_CASE("the resolution view shows a grid where there is one, alike on every r
     Workload workload = tinyWorkload(1);
     std::map<std::string, Image> first;  // by codec
     for (const char* name : {"vk", "gl", "vk-ext", "gl-ext"}) {
-        Case which;
-        which.route = findRoute(name);
-        const bool mesh = which.route->dialect != MeshDialect::none;
-        which.variant = findVariant(mesh ? "mesh" : "vertex");
-        which.builder = mesh ? findBuilder("meshopt") : nullptr;
-        which.layout = mesh ? findMeshletLayout("redirect") : nullptr;
-        which.view = View::resolution;
-        Backend* backend = openedBackends().at(which.route->api).backend;
+        Case c;
+        c.route = findRoute(name);
+        const bool mesh = c.route->dialect != MeshDialect::none;
+        c.variant = findVariant(mesh ? "mesh" : "vertex");
+        c.builder = mesh ? findBuilder("meshopt") : nullptr;
+        c.layout = mesh ? findMeshletLayout("redirect") : nullptr;
+        c.view = View::resolution;
+        Backend* backend = openedBackends().at(c.route->api).backend;
         for (const char* codec : {"uc", "pc"}) {
-            which.codec = findCodec(codec);
-            which.fetch = VertexFetch::pull;
-            if (!backend || unsupported(which, backend->caps())) continue;
-            auto image = renderImage(workload, which, *backend);
+            c.codec = findCodec(codec);
+            c.fetch = VertexFetch::pull;
+            if (!backend || unsupported(c, backend->caps())) continue;
+            auto image = renderImage(workload, c, *backend);
             REQUIRE(image);
             INFO(name << " " << codec);
             // Grey has no hue; light and background have little.
@@ -357,18 +357,18 @@ TEST_CASE("the velocity view tells what moves from what rests") {
     for (const auto& [api, open] : openedBackends())
         for (bool packed : {false, true}) {
             if (!open.backend) continue;
-            Case which = computeCase(api, {.previous = true, .packed = packed});
-            which.view = View::velocity;
+            Case c = computeCase(api, {.previous = true, .packed = packed});
+            c.view = View::velocity;
             auto yellow = [&](bool animated) {
                 Workload workload = tinyWorkload(1);
                 workload.settings.animated = animated;
-                auto image = renderImage(workload, which, *open.backend);
+                auto image = renderImage(workload, c, *open.backend);
                 REQUIRE(image);
                 size_t pixels = 0;
                 for (size_t i = 0; i < image->rgba.size(); i += 4) pixels += image->rgba[i] > image->rgba[i + 2] + 10;
                 return pixels;
             };
-            INFO(caseId(which));
+            INFO(caseId(c));
             CHECK(yellow(false) == 0);
             CHECK(yellow(true) > 20);
         }
@@ -424,7 +424,7 @@ TEST_CASE("a wrong palette, a wrong tolerance and a foreign image are found") {
     auto results = runBench(workload, plainCases(4), openedBackends(), settings, {});
     REQUIRE(results);
     for (const CaseResult& result : *results)
-        if (result.status != CaseStatus::skipped && result.which.variant->skins) {
+        if (result.status != CaseStatus::skipped && result.theCase.variant->skins) {
             CHECK(result.status == CaseStatus::failed);
             CHECK(result.reason.find("positions are off by") == 0);
         }
@@ -439,8 +439,8 @@ TEST_CASE("a wrong palette, a wrong tolerance and a foreign image are found") {
     results = runBench(broken, plainCases(4), openedBackends(), settings, {});
     REQUIRE(results);
     for (const CaseResult& result : *results)
-        if (result.status != CaseStatus::skipped && result.which.variant->skins &&
-            result.which.variant != findVariant("cpu")) {
+        if (result.status != CaseStatus::skipped && result.theCase.variant->skins &&
+            result.theCase.variant != findVariant("cpu")) {
             INFO(result.id);
             CHECK(result.status == CaseStatus::failed);
         }

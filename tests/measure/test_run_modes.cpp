@@ -19,9 +19,9 @@ constexpr uint32_t kCopies = 3;
 // Those that this machine's drivers run.
 std::vector<Case> offered(std::initializer_list<Case> cases) {
     std::vector<Case> there;
-    for (const Case& which : cases) {
-        const Backend* backend = openedBackends().at(which.route->api).backend;
-        if (backend && !unsupported(which, backend->caps())) there.push_back(which);
+    for (const Case& c : cases) {
+        const Backend* backend = openedBackends().at(c.route->api).backend;
+        if (backend && !unsupported(c, backend->caps())) there.push_back(c);
     }
     return there;
 }
@@ -38,14 +38,14 @@ struct Drawn {
     std::vector<Timing> overlap;
 };
 
-Drawn drawBothWays(Workload& workload, const Case& which, Backend& backend) {
-    auto input = planInput(workload, which);
+Drawn drawBothWays(Workload& workload, const Case& c, Backend& backend) {
+    auto input = planInput(workload, c);
     REQUIRE(input);
-    auto plan = makePlan(which, *input, backend.caps());
+    auto plan = makePlan(c, *input, backend.caps());
     REQUIRE(plan);
     auto id = backend.prepare(*plan);
     REQUIRE(id);
-    auto frame = makeFrame(workload, which.influences, 0);
+    auto frame = makeFrame(workload, c.influences, 0);
     REQUIRE(frame);
     const std::vector<FrameInput> inputs(2, {frame->constants, std::as_bytes(std::span(frame->palettes)), {}});
     Drawn drawn;
@@ -83,13 +83,13 @@ struct CountingBackend final : Backend {
 
 TEST_CASE("cases keep their memory between rounds, or each round prepares them anew") {
     if (!anyDriver()) SKIP("no Vulkan and no OpenGL driver on this machine");
-    for (const Case& which : offered({makeCase("vk", "vertex"), makeCase("gl", "compute")}))
+    for (const Case& c : offered({makeCase("vk", "vertex"), makeCase("gl", "compute")}))
         for (bool fresh : {false, true}) {
             Workload workload = tinyWorkload(kCopies);
-            CountingBackend counting(*openedBackends().at(which.route->api).backend);
+            CountingBackend counting(*openedBackends().at(c.route->api).backend);
             BenchSettings settings = fewFrames();
             settings.freshPlacement = fresh;
-            auto results = runBench(workload, {which}, {{which.route->api, {&counting, {}}}}, settings, {});
+            auto results = runBench(workload, {c}, {{c.route->api, {&counting, {}}}}, settings, {});
             REQUIRE(results);
             INFO(results->at(0).id << ": " << results->at(0).reason);
             CHECK(results->at(0).status == CaseStatus::ok);
@@ -127,7 +127,7 @@ TEST_CASE("limits are verified and timed beside the cases, each once") {
     for (const CaseResult& result : *results) {
         if (result.isLimit) continue;
         INFO(result.id);
-        const bool expected = result.which.scenario == Scenario::direct;
+        const bool expected = result.theCase.scenario == Scenario::direct;
         CHECK(expected == (std::ranges::find(limits, result.limitId) != limits.end()));
     }
 }
@@ -141,18 +141,17 @@ TEST_CASE("the timestamps of a software driver enclose the work, not its queue")
     settings.height = 180;
     auto workload = makeWorkload(std::move(*scene), testShaders(), settings);
     REQUIRE(workload);
-    for (const Case& which :
-         offered({makeCase("vk", "vertex"), makeCase("vk", "compute"), makeCase("vk-ext", "mesh"),
-                  makeCase("gl", "vertex"), makeCase("gl", "compute"), makeCase("gl-ext", "mesh")})) {
-        Backend& backend = *openedBackends().at(which.route->api).backend;
+    for (const Case& c : offered({makeCase("vk", "vertex"), makeCase("vk", "compute"), makeCase("vk-ext", "mesh"),
+                                  makeCase("gl", "vertex"), makeCase("gl", "compute"), makeCase("gl-ext", "mesh")})) {
+        Backend& backend = *openedBackends().at(c.route->api).backend;
         if (!backend.caps().software) continue;
-        auto input = planInput(*workload, which);
+        auto input = planInput(*workload, c);
         REQUIRE(input);
-        auto plan = makePlan(which, *input, backend.caps());
+        auto plan = makePlan(c, *input, backend.caps());
         REQUIRE(plan);
         auto id = backend.prepare(*plan);
         REQUIRE(id);
-        auto frame = makeFrame(*workload, which.influences, 0);
+        auto frame = makeFrame(*workload, c.influences, 0);
         REQUIRE(frame);
         const std::vector<FrameInput> inputs(8, {frame->constants, std::as_bytes(std::span(frame->palettes)), {}});
         for (RunMode mode : {RunMode::timed, RunMode::overlap}) {
@@ -164,7 +163,7 @@ TEST_CASE("the timestamps of a software driver enclose the work, not its queue")
             double timed = 0;
             for (const Timing& timing : *timings)
                 timed = std::accumulate(timing.passes.begin(), timing.passes.end(), timed);
-            INFO(caseId(which) << ": " << timed << " of " << wall.count() << " ms");
+            INFO(caseId(c) << ": " << timed << " of " << wall.count() << " ms");
             CHECK(timed > 0.4 * wall.count());
             CHECK(timed < wall.count());
         }
@@ -184,13 +183,13 @@ TEST_CASE("counters agree with what the plan draws") {
     for (const CaseResult& result : *results) {
         INFO(result.id << ": " << result.reason);
         REQUIRE(result.status == CaseStatus::ok);
-        const DeviceCaps& caps = openedBackends().at(result.which.route->api).backend->caps();
+        const DeviceCaps& caps = openedBackends().at(result.theCase.route->api).backend->caps();
         CHECK(result.counters.has_value() == caps.pipelineStatistics);
         if (!result.counters) continue;
         const Mesh& mesh = workload.prepared.at(4)->mesh;
         const uint64_t triangles = mesh.indices.size() / 3 * kCopies;
         const Counters& c = *result.counters;
-        if (result.which.builder) {
+        if (result.theCase.builder) {
             CHECK_FALSE(c.inputVertices);
             CHECK_FALSE(c.vertexInvocations);
             CHECK(c.meshPrimitives.has_value() == caps.meshCounters);
@@ -203,7 +202,7 @@ TEST_CASE("counters agree with what the plan draws") {
             CHECK(*c.vertexInvocations >= mesh.positions.size() * kCopies / 2);
             CHECK_FALSE(c.meshPrimitives);
         }
-        CHECK(c.computeInvocations.has_value() == (result.which.variant == findVariant("compute")));
+        CHECK(c.computeInvocations.has_value() == (result.theCase.variant == findVariant("compute")));
         if (c.computeInvocations) CHECK(*c.computeInvocations >= mesh.positions.size() * kCopies);
         CHECK(c.fragmentInvocations.value_or(0) > 0);
         ++counted;
@@ -216,13 +215,13 @@ TEST_CASE("passes that overlap draw the same image, and are timed as one") {
     Workload workload = tinyWorkload(kCopies);
     Case prepassVk = makeCase("vk", "compute"), prepassGl = makeCase("gl", "vertex"),
          prepassMesh = makeCase("vk-ext", "mesh");
-    for (Case* which : {&prepassVk, &prepassGl, &prepassMesh}) which->scenario = Scenario::prepass;
+    for (Case* c : {&prepassVk, &prepassGl, &prepassMesh}) c->scenario = Scenario::prepass;
     const std::vector<Case> cases =
         offered({makeCase("vk", "compute"), makeCase("gl", "compute"), prepassVk, prepassGl, prepassMesh});
-    for (const Case& which : cases) {
-        INFO(caseId(which));
-        Backend& backend = *openedBackends().at(which.route->api).backend;
-        const Drawn drawn = drawBothWays(workload, which, backend);
+    for (const Case& c : cases) {
+        INFO(caseId(c));
+        Backend& backend = *openedBackends().at(c.route->api).backend;
+        const Drawn drawn = drawBothWays(workload, c, backend);
         CHECK(compareImages(drawn.timed, drawn.overlapped, 0).fraction == 0);
         for (const Timing& timing : drawn.overlap) CHECK(timing.passes.size() == 1);
         CHECK(backend.takeMessages().empty());

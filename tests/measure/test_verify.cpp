@@ -14,14 +14,14 @@ namespace {
 constexpr double kTolerance = 2e-6;  // of the skinning itself, in single precision
 
 Case meshCase(const Codec& codec, int influences) {
-    Case which;
-    which.route = findRoute("vk-ext");
-    which.variant = findVariant("mesh");
-    which.codec = &codec;
-    which.builder = findBuilder("meshopt");
-    which.layout = findMeshletLayout("redirect");
-    which.influences = influences;
-    return which;
+    Case c;
+    c.route = findRoute("vk-ext");
+    c.variant = findVariant("mesh");
+    c.codec = &codec;
+    c.builder = findBuilder("meshopt");
+    c.layout = findMeshletLayout("redirect");
+    c.influences = influences;
+    return c;
 }
 
 // What a variant without a fault would capture of the first and the last copy.
@@ -42,10 +42,10 @@ struct Figures {
     double bound = 0;
 };
 
-Figures figuresOf(const Case& which, const PlanInput& input, const FrameData& frame) {
-    const auto bound = codecPositionBound(which, input, frame);
+Figures figuresOf(const Case& c, const PlanInput& input, const FrameData& frame) {
+    const auto bound = codecPositionBound(c, input, frame);
     REQUIRE(bound);
-    return {capturedError(makeReferences(which, input, frame), skinDecoded(input, frame)).source.position, *bound};
+    return {capturedError(makeReferences(c, input, frame), skinDecoded(input, frame)).source.position, *bound};
 }
 
 Workload workloadOf(Result<Scene> scene) {
@@ -64,10 +64,10 @@ double requireBounded(Workload& workload, int influences) {
     double tightest = 1e30;
     size_t bounded = 0;
     for (const Codec& codec : codecs()) {
-        const Case which = meshCase(codec, influences);
-        const auto input = planInput(workload, which);
+        const Case c = meshCase(codec, influences);
+        const auto input = planInput(workload, c);
         if (!input) continue;  // too many tuples, or 4 influences only
-        const Figures figures = figuresOf(which, *input, *frame);
+        const Figures figures = figuresOf(c, *input, *frame);
         INFO(workload.stored.name << " " << codec.name << ": error " << figures.error << ", bound " << figures.bound);
         CHECK(figures.error <= figures.bound + kTolerance);
         if (!input->encoded->decode) {
@@ -107,14 +107,14 @@ TEST_CASE("vertices that are not skinned are bounded by the grid alone") {
     Workload workload = workloadOf(makeBuiltin("biped", 3000));
     const auto frame = makeFrame(workload, 4, 0);
     REQUIRE(frame);
-    Case which = meshCase(*findCodec("pc"), 4);
-    const auto skinned = planInput(workload, which);
+    Case c = meshCase(*findCodec("pc"), 4);
+    const auto skinned = planInput(workload, c);
     REQUIRE(skinned);
-    const double posed = *codecPositionBound(which, *skinned, *frame);
-    Variant still = *which.variant;
+    const double posed = *codecPositionBound(c, *skinned, *frame);
+    Variant still = *c.variant;
     still.skins = false;
-    which.variant = &still;
-    const double resting = *codecPositionBound(which, *skinned, *frame);
+    c.variant = &still;
+    const double resting = *codecPositionBound(c, *skinned, *frame);
     CHECK(resting > 0.5 / 65535 / 2);
     CHECK(resting < 1.0 / 65535);
     CHECK(posed > 10 * resting);
@@ -124,8 +124,8 @@ TEST_CASE("damaged bits exceed the bound, and a codec without a promise has none
     Workload workload = workloadOf(makeBuiltin("biped", 3000));
     const auto frame = makeFrame(workload, 4, 3);
     REQUIRE(frame);
-    const Case which = meshCase(*findCodec("pc"), 4);
-    auto input = planInput(workload, which);
+    const Case c = meshCase(*findCodec("pc"), 4);
+    auto input = planInput(workload, c);
     REQUIRE(input);
     const auto packed = packPc(input->scene->mesh);
     REQUIRE(packed);
@@ -152,7 +152,7 @@ TEST_CASE("damaged bits exceed the bound, and a codec without a promise has none
             }
             return mesh;
         };
-        return figuresOf(which, *input, *frame);
+        return figuresOf(c, *input, *frame);
     };
     const Figures good = errorWith([](PackedVertices&) {});
     CHECK(good.error <= good.bound + kTolerance);
@@ -163,5 +163,5 @@ TEST_CASE("damaged bits exceed the bound, and a codec without a promise has none
         CHECK(bad.error > bad.bound + kTolerance);
     }
     encoded.bounds.reset();
-    CHECK(!codecPositionBound(which, *input, *frame));
+    CHECK(!codecPositionBound(c, *input, *frame));
 }

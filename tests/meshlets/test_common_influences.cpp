@@ -9,7 +9,7 @@
 
 #include "common/meshlets/common_influences.h"
 #include "tests/cases.h"
-#include "tests/codecs/codec_test.h"
+#include "tests/codec_test.h"
 
 using namespace skinbench;
 using Catch::Matchers::ContainsSubstring;

@@ -163,13 +163,13 @@ TEST_CASE("slim and whole records, word by word") {
         f(1),     f(2),     f(3), 0, 0,    f(1), f(0.25f), f(0.5f), f(0.75f), f(0.25f), 0, 0,  // slim
         f(4),     f(5),     f(6), 0, f(1), 0,    f(0.75f), f(1),    7,        300,      0, 0,  // whole
         f(0.75f), f(0.25f), 0,    0};
-    const EncodedMesh slim = encodeSlim(mesh, 1, false, 4);
+    const EncodedMesh slim = *encodeSlim({mesh, nullptr, 4, 1, false});
     CHECK(words(slim) == wanted);
     CHECK(slim.vertexCount == 2);
-    CHECK(encodeSlim(mesh, 2, false, 4).vertices->size() == 2 * 48);
-    CHECK(encodeSlim(mesh, 2, true, 4).vertices->size() == 2 * 64);
-    CHECK(encodeSlim(mesh, 2, false, 8).vertices->size() == 2 * 64);
-    CHECK(encodeSlim(mesh, 0, false, 8).vertices->size() == 2 * 96);
+    CHECK(encodeSlim({mesh, nullptr, 4, 2, false})->vertices->size() == 2 * 48);
+    CHECK(encodeSlim({mesh, nullptr, 4, 2, true})->vertices->size() == 2 * 64);
+    CHECK(encodeSlim({mesh, nullptr, 8, 2, false})->vertices->size() == 2 * 64);
+    CHECK(encodeSlim({mesh, nullptr, 8, 0, false})->vertices->size() == 2 * 96);
 }
 
 TEST_CASE("joint lists are packed with zeros behind the last joint, and never empty") {

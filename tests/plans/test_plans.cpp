@@ -16,11 +16,11 @@ using Catch::Matchers::ContainsSubstring;
 
 namespace {
 
-FramePlan planOf(Workload& workload, const Case& which, const DeviceCaps& caps, bool capture = false) {
-    auto input = planInput(workload, which);
+FramePlan planOf(Workload& workload, const Case& c, const DeviceCaps& caps, bool capture = false) {
+    auto input = planInput(workload, c);
     REQUIRE(input);
     input->capture = capture;
-    auto plan = makePlan(which, *input, caps);
+    auto plan = makePlan(c, *input, caps);
     if (!plan) FAIL(plan.error().text);
     return std::move(*plan);
 }
@@ -64,16 +64,16 @@ TEST_CASE("a pre-pass lays down depth, keeps the skinned vertices, and draws whe
     Workload workload = tinyWorkload(2);
     for (const char* words : {"vk vertex", "gl compute", "vk-ext mesh", "gl-nv mesh-ci"}) {
         const std::string text(words);
-        Case which = makeCase(text.substr(0, text.find(' ')).c_str(), text.substr(text.find(' ') + 1).c_str());
-        which.scenario = Scenario::prepass;
+        Case c = makeCase(text.substr(0, text.find(' ')).c_str(), text.substr(text.find(' ') + 1).c_str());
+        c.scenario = Scenario::prepass;
         INFO(words);
-        const bool mesh = which.builder != nullptr;
+        const bool mesh = c.builder != nullptr;
         for (bool differs : {false, true}) {
-            DeviceCaps caps = generousCaps(which.route->api);
+            DeviceCaps caps = generousCaps(c.route->api);
             caps.meshDepthDiffers = differs;
-            const FramePlan plan = planOf(workload, which, caps);
+            const FramePlan plan = planOf(workload, c, caps);
             const Pass &depth = passOf(plan, "depth"), &draw = passOf(plan, "draw");
-            CHECK(plan.passes.size() == (which.variant == findVariant("compute") ? 3 : 2));
+            CHECK(plan.passes.size() == (c.variant == findVariant("compute") ? 3 : 2));
             CHECK(!depth.writeColor);
             CHECK(depth.depth == DepthTest::lessWrite);
             CHECK(depth.clear);
@@ -92,11 +92,11 @@ TEST_CASE("uniform palettes are blocks that draws point into") {
     mesh.shape.uniformPalette = true;
     Case palette = makeCase("vk", "palette");
     palette.paletteSlots = 9;
-    for (const Case& which : {mesh, palette}) {
-        INFO(caseId(which));
-        const FramePlan plan = planOf(workload, which, generousCaps(which.route->api));
-        const auto input = planInput(workload, which);
-        const auto blocks = paletteBlocks(which, *input);
+    for (const Case& c : {mesh, palette}) {
+        INFO(caseId(c));
+        const FramePlan plan = planOf(workload, c, generousCaps(c.route->api));
+        const auto input = planInput(workload, c);
+        const auto blocks = paletteBlocks(c, *input);
         REQUIRE(blocks);
         CHECK(plan.paletteRange == blocks->size * sizeof(PaletteEntry));
         CHECK(plan.paletteBytes == blocks->stride() * (blocks->joints.size() / blocks->size) * 3);
@@ -126,7 +126,7 @@ TEST_CASE("uniform palettes are blocks that draws point into") {
 TEST_CASE("indexed draws: one a copy, or one for all with shifted indices") {
     Workload workload = tinyWorkload(3);
     for (const char* variant : {"none", "vertex", "compute", "cpu"}) {
-        Case which = makeCase("vk", variant);
+        Case c = makeCase("vk", variant);
         INFO(variant);
         auto scene = sceneFor(workload, 4);
         REQUIRE(scene);
@@ -134,7 +134,7 @@ TEST_CASE("indexed draws: one a copy, or one for all with shifted indices") {
         const auto vertices = static_cast<uint32_t>(mesh.positions.size());
         const auto indices = static_cast<uint32_t>(mesh.indices.size());
 
-        const FramePlan perCopy = planOf(workload, which, generousCaps(Api::vulkan));
+        const FramePlan perCopy = planOf(workload, c, generousCaps(Api::vulkan));
         const Pass draw = passOf(perCopy, "draw");
         CHECK(draw.kind == PassKind::drawIndexed);
         REQUIRE(draw.draws.size() == 3);
@@ -147,8 +147,8 @@ TEST_CASE("indexed draws: one a copy, or one for all with shifted indices") {
         CHECK(streamOf(perCopy, SLOT_INDEX)->replicas == 3);
         CHECK(streamOf(perCopy, SLOT_INDEX)->replicaAdd == 0);
 
-        which.submission = Submission::batched;
-        const FramePlan batched = planOf(workload, which, generousCaps(Api::vulkan));
+        c.submission = Submission::batched;
+        const FramePlan batched = planOf(workload, c, generousCaps(Api::vulkan));
         REQUIRE(passOf(batched, "draw").draws.size() == 1);
         CHECK(passOf(batched, "draw").draws[0].count == indices * 3);
         CHECK(passOf(batched, "draw").draws[0].baseVertex == 0);
@@ -167,20 +167,20 @@ TEST_CASE("work groups: every group of every copy exactly once, also where the d
     Workload workload = tinyWorkload(5);
     for (const char* name : {"vk-ext", "vk-nv", "gl-ext", "gl-nv"})
         for (uint32_t most : {1u, 2u, 7u, 65535u, UINT32_MAX}) {
-            Case which = makeCase(name, "mesh");
-            which.limits = {16, 16};
-            DeviceCaps caps = generousCaps(which.route->api);
+            Case c = makeCase(name, "mesh");
+            c.limits = {16, 16};
+            DeviceCaps caps = generousCaps(c.route->api);
             caps.ext.maxGroupCount = caps.nv.maxGroupCount = most;
-            auto input = planInput(workload, which);
+            auto input = planInput(workload, c);
             REQUIRE(input);
             const auto meshlets = static_cast<uint32_t>(input->meshlets->meshlets.size());
             REQUIRE(meshlets > 10);
             INFO(name << " " << most);
-            const FramePlan perCopy = planOf(workload, which, caps);
+            const FramePlan perCopy = planOf(workload, c, caps);
             CHECK(passOf(perCopy, "draw").kind == PassKind::drawMesh);
             CHECK(groupsOf(passOf(perCopy, "draw")) == grid(5, meshlets));
-            which.submission = Submission::batched;
-            const FramePlan batched = planOf(workload, which, caps);
+            c.submission = Submission::batched;
+            const FramePlan batched = planOf(workload, c, caps);
             CHECK(groupsOf(passOf(batched, "draw")) == grid(1, meshlets * 5));
             for (const FramePlan* plan : {&perCopy, &batched})
                 for (const Draw& draw : passOf(*plan, "draw").draws) {
@@ -194,29 +194,29 @@ TEST_CASE("compute groups of 64 vertices are split too") {
     Workload workload = tinyWorkload(4);
     const auto vertices = static_cast<uint32_t>((*sceneFor(workload, 4))->mesh.positions.size());
     for (uint32_t most : {1u, 3u, 65535u}) {
-        Case which = makeCase("gl", "compute");
+        Case c = makeCase("gl", "compute");
         DeviceCaps caps = generousCaps(Api::opengl);
         caps.maxComputeGroupCount = most;
-        const FramePlan perCopy = planOf(workload, which, caps);
+        const FramePlan perCopy = planOf(workload, c, caps);
         CHECK(passOf(perCopy, "skin").kind == PassKind::dispatch);
         CHECK(groupsOf(passOf(perCopy, "skin")) == grid(4, (vertices + 63) / 64));
-        which.submission = Submission::batched;
-        const FramePlan batched = planOf(workload, which, caps);
+        c.submission = Submission::batched;
+        const FramePlan batched = planOf(workload, c, caps);
         CHECK(groupsOf(passOf(batched, "skin")) == grid(1, (vertices * 4 + 63) / 64));
     }
 }
 
 TEST_CASE("a draw of more than 65535 groups is split on a device without a limit") {
     Workload workload = tinyWorkload(20'000);
-    Case which = makeCase("vk-ext", "mesh");
-    which.submission = Submission::batched;
-    which.limits = {16, 16};
+    Case c = makeCase("vk-ext", "mesh");
+    c.submission = Submission::batched;
+    c.limits = {16, 16};
     DeviceCaps caps = generousCaps(Api::vulkan);
     caps.ext.maxGroupCount = UINT32_MAX;
-    auto input = planInput(workload, which);
+    auto input = planInput(workload, c);
     REQUIRE(input);
     const uint64_t groups = uint64_t{input->meshlets->meshlets.size()} * 20'000;
-    const FramePlan plan = planOf(workload, which, caps);
+    const FramePlan plan = planOf(workload, c, caps);
     uint64_t next = 0;
     for (const Draw& draw : passOf(plan, "draw").draws) {
         CHECK(draw.count <= 65535);
@@ -230,9 +230,7 @@ TEST_CASE("a draw of more than 65535 groups is split on a device without a limit
 TEST_CASE("the streams of each variant are what its passes read") {
     Workload workload = tinyWorkload(2);
     const DeviceCaps caps = generousCaps(Api::vulkan);
-    auto slots = [&](const Case& which, bool capture = false) {
-        return slotsOf(planOf(workload, which, caps, capture));
-    };
+    auto slots = [&](const Case& c, bool capture = false) { return slotsOf(planOf(workload, c, caps, capture)); };
     using Set = std::set<uint32_t>;
     CHECK(slots(makeCase("vk", "none")) == Set{SLOT_VERTEX, SLOT_INDEX});
     CHECK(slots(makeCase("vk", "vertex"), true) == Set{SLOT_VERTEX, SLOT_INDEX, SLOT_CAPTURE});
@@ -266,7 +264,6 @@ TEST_CASE("the streams of each variant are what its passes read") {
     CHECK(streamOf(planOf(workload, pull, caps), SLOT_VERTEX)->use == useStorage);
     CHECK(planOf(workload, pull, caps).programs[0].attributes.empty());
 
-    CHECK(planOf(workload, makeCase("gl", "vertex"), generousCaps(Api::opengl), true).label == "gl/vertex/uc");
     CHECK(streamOf(planOf(workload, pull, caps, true), SLOT_CAPTURE)->gpuBytes == skinned);
 }
 
@@ -289,10 +286,10 @@ TEST_CASE("options of compute: what a skinned vertex holds, and where the draw f
     const uint64_t vertices = (*sceneFor(workload, 4))->mesh.positions.size();
     for (const char* route : {"vk", "gl"})
         for (const Wanted& row : wanted) {
-            Case which = makeCase(route, "compute");
-            which.compute = row.options;
-            INFO(caseId(which));
-            const FramePlan plan = planOf(workload, which, generousCaps(which.route->api));
+            Case c = makeCase(route, "compute");
+            c.compute = row.options;
+            INFO(caseId(c));
+            const FramePlan plan = planOf(workload, c, generousCaps(c.route->api));
             const Program& draw = plan.programs[passOf(plan, "draw").program];
             CHECK(draw.attributeStride == row.stride);
             REQUIRE(draw.attributes.size() == row.attributes.size());
@@ -316,28 +313,28 @@ TEST_CASE("options of compute: what a skinned vertex holds, and where the draw f
 
 TEST_CASE("staging a palette is refused where it does not fit, and where a group spans copies") {
     Workload workload = tinyWorkload(2);
-    Case which = makeCase("gl", "compute");
-    which.compute.staged = true;
-    auto input = planInput(workload, which);
+    Case c = makeCase("gl", "compute");
+    c.compute.staged = true;
+    auto input = planInput(workload, c);
     REQUIRE(input);
     DeviceCaps caps = generousCaps(Api::opengl);
     caps.maxComputeSharedBytes = 12 * sizeof(PaletteEntry);
-    CHECK(!unsupported(which, caps));
-    CHECK(makePlan(which, *input, caps));
+    CHECK(!unsupported(c, caps));
+    CHECK(makePlan(c, *input, caps));
     --caps.maxComputeSharedBytes;
-    const auto plan = makePlan(which, *input, caps);
+    const auto plan = makePlan(c, *input, caps);
     REQUIRE(!plan);
     CHECK(plan.error().fault == Fault::device);
     CHECK(plan.error().text == "needs 576 bytes of shared memory for 12 joints: test device allows 575");
-    which.compute.staged = false;
-    CHECK(makePlan(which, *input, caps));
+    c.compute.staged = false;
+    CHECK(makePlan(c, *input, caps));
 
-    which.compute = {.staged = true, .packed = true};
-    which.submission = Submission::batched;
-    CHECK(unsupported(which, generousCaps(Api::opengl)) ==
+    c.compute = {.staged = true, .packed = true};
+    c.submission = Submission::batched;
+    CHECK(unsupported(c, generousCaps(Api::opengl)) ==
           "a work group of a batched dispatch spans copies, so it cannot stage the palette of one");
-    which.compute.staged = false;
-    CHECK(!unsupported(which, generousCaps(Api::opengl)));
+    c.compute.staged = false;
+    CHECK(!unsupported(c, generousCaps(Api::opengl)));
 }
 
 TEST_CASE("memory of one copy, buffer by buffer") {
@@ -349,10 +346,10 @@ TEST_CASE("memory of one copy, buffer by buffer") {
     for (Submission submission : {Submission::perCopy, Submission::batched})
         for (const char* variant : {"none", "vertex", "compute", "cpu", "mesh"}) {
             const bool mesh = std::string(variant) == "mesh";
-            Case which = makeCase(mesh ? "vk-ext" : "vk", variant);
-            which.submission = submission;
-            INFO(caseId(which));
-            const MemoryBytes memory = memoryOfOneCopy(planOf(workload, which, caps), 7);
+            Case c = makeCase(mesh ? "vk-ext" : "vk", variant);
+            c.submission = submission;
+            INFO(caseId(c));
+            const MemoryBytes memory = memoryOfOneCopy(planOf(workload, c, caps), 7);
             const bool cpu = std::string(variant) == "cpu";
             CHECK(memory.vertex == (cpu ? 0 : vertices * 64));
             CHECK(memory.index == (mesh ? 0 : indices * 4));
@@ -362,7 +359,7 @@ TEST_CASE("memory of one copy, buffer by buffer") {
             CHECK(memory.additionalMeshlet == 0);
             uint64_t meshlet = 0;
             if (mesh)
-                for (const Meshlet& m : (*planInput(workload, which)).meshlets->meshlets)
+                for (const Meshlet& m : (*planInput(workload, c)).meshlets->meshlets)
                     meshlet += 8 + 4 * (m.vertexCount + (m.triangleCount + 3) / 4 * 3);
             CHECK(memory.meshlet == meshlet);
             CHECK(memory.total() == memory.vertex + memory.index + memory.skinned + memory.palette + memory.meshlet);
@@ -377,17 +374,17 @@ TEST_CASE("memory of one copy, buffer by buffer") {
 
 TEST_CASE("a plan that the device cannot hold is refused with both numbers") {
     Workload workload = tinyWorkload(1000);
-    Case which = makeCase("vk-ext", "mesh");
-    auto input = planInput(workload, which);
+    Case c = makeCase("vk-ext", "mesh");
+    auto input = planInput(workload, c);
     REQUIRE(input);
     auto mebibytes = [](uint64_t bytes) { return std::format("{:.1f} MiB", static_cast<double>(bytes) / 1048576); };
 
     DeviceCaps caps = generousCaps(Api::vulkan);
     const uint64_t vertexBytes = input->encoded->vertices->size() * 1000;
     caps.maxStorageBytes = vertexBytes;
-    CHECK(makePlan(which, *input, caps));
+    CHECK(makePlan(c, *input, caps));
     caps.maxStorageBytes = vertexBytes - 1;
-    auto plan = makePlan(which, *input, caps);
+    auto plan = makePlan(c, *input, caps);
     REQUIRE(!plan);
     CHECK(plan.error().fault == Fault::device);
     CHECK(plan.error().text == "needs a storage buffer of " + mebibytes(vertexBytes) +
@@ -409,11 +406,11 @@ TEST_CASE("a plan that the device cannot hold is refused with both numbers") {
     CHECK_THAT(plan.error().text, ContainsSubstring("needs a buffer of " + mebibytes(vertexBytes)));
 
     caps = generousCaps(Api::vulkan);
-    const uint64_t needed = planBytes(*makePlan(which, *input, caps));
+    const uint64_t needed = planBytes(*makePlan(c, *input, caps));
     caps.deviceBytes = needed;
-    CHECK(makePlan(which, *input, caps));
+    CHECK(makePlan(c, *input, caps));
     caps.deviceBytes = needed / 2;
-    plan = makePlan(which, *input, caps);
+    plan = makePlan(c, *input, caps);
     REQUIRE(!plan);
     CHECK(plan.error().text == "needs " + mebibytes(needed) + " for 1000 copies: test device has " +
                                    mebibytes(needed / 2) + "; use fewer copies");
@@ -423,13 +420,13 @@ TEST_CASE("too many copies for 32-bit numbers are refused, on every route") {
     Workload workload = tinyWorkload(1);
     for (const char* words : {"vk vertex", "gl compute", "vk-ext mesh", "cpu cpu"}) {
         const std::string text(words);
-        const Case which = makeCase(text.substr(0, text.find(' ')).c_str(), text.substr(text.find(' ') + 1).c_str());
-        auto input = planInput(workload, which);
+        const Case c = makeCase(text.substr(0, text.find(' ')).c_str(), text.substr(text.find(' ') + 1).c_str());
+        auto input = planInput(workload, c);
         REQUIRE(input);
         input->copies = static_cast<uint32_t>(INT32_MAX / input->scene->mesh.indices.size()) + 1;
-        DeviceCaps caps = generousCaps(which.route->api);
+        DeviceCaps caps = generousCaps(c.route->api);
         caps.maxStorageBytes = UINT64_MAX;
-        const auto plan = makePlan(which, *input, caps);
+        const auto plan = makePlan(c, *input, caps);
         INFO(words);
         REQUIRE(!plan);
         CHECK(plan.error().fault == Fault::device);
@@ -443,13 +440,13 @@ TEST_CASE("what a case asks of the rasteriser reaches its draw pass") {
     for (const char* route : {"vk", "vk-ext"})
         for (RasterMode raster : {RasterMode::full, RasterMode::noFragments, RasterMode::discard})
             for (bool keep : {false, true}) {
-                Case which = makeCase(route, "none");
-                which.raster = raster;
-                which.keepBackFaces = keep;
-                const FramePlan plan = planOf(workload, which, generousCaps(Api::vulkan));
+                Case c = makeCase(route, "none");
+                c.raster = raster;
+                c.keepBackFaces = keep;
+                const FramePlan plan = planOf(workload, c, generousCaps(Api::vulkan));
                 CHECK(passOf(plan, "draw").raster == raster);
                 CHECK(passOf(plan, "draw").cullBackFaces == !keep);
-                CHECK(plan.dialect == which.route->dialect);
+                CHECK(plan.dialect == c.route->dialect);
                 CHECK(plan.width == 320);
                 CHECK(plan.height == 180);
             }
@@ -458,18 +455,18 @@ TEST_CASE("what a case asks of the rasteriser reaches its draw pass") {
 TEST_CASE("the null backend runs every plan of every case") {
     Workload workload = tinyWorkload(2);
     size_t ran = 0;
-    for (const Case& which : everyCase())
+    for (const Case& c : everyCase())
         for (bool capture : {false, true}) {
-            INFO(caseId(which));
-            const DeviceCaps caps = generousCaps(which.route->api);
-            const FramePlan plan = planOf(workload, which, caps, capture);
+            INFO(caseId(c));
+            const DeviceCaps caps = generousCaps(c.route->api);
+            const FramePlan plan = planOf(workload, c, caps, capture);
             auto null = openNull(caps);
             auto id = null->prepare(plan);
             REQUIRE(id);
-            auto frame = makeFrame(workload, which.influences, 0);
+            auto frame = makeFrame(workload, c.influences, 0);
             REQUIRE(frame);
             FrameInput input{frame->constants, std::as_bytes(std::span(frame->palettes)), {}};
-            const auto blocks = paletteBlocks(which, *planInput(workload, which));
+            const auto blocks = paletteBlocks(c, *planInput(workload, c));
             const std::vector<std::byte> blocked =
                 blocks ? blockedPalettes(*frame, 2, *blocks) : std::vector<std::byte>();
             if (blocks) input.palette = blocked;

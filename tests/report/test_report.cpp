@@ -21,15 +21,15 @@ using Json = nlohmann::ordered_json;
 namespace {
 
 Case scanCase(const char* route, const char* variant) {
-    Case which = makeCase(route, variant);
-    if (which.builder) which.builder = findBuilder("scan");
-    return which;
+    Case c = makeCase(route, variant);
+    if (c.builder) c.builder = findBuilder("scan");
+    return c;
 }
 
-CaseResult makeResult(const Case& which, CaseStatus status, std::string reason = {}) {
+CaseResult makeResult(const Case& c, CaseStatus status, std::string reason = {}) {
     CaseResult result;
-    result.which = which;
-    result.id = caseId(which);
+    result.theCase = c;
+    result.id = caseId(c);
     result.status = status;
     result.reason = std::move(reason);
     return result;
@@ -82,7 +82,7 @@ std::vector<CaseResult> makeResults() {
     results[3].accuracy = Accuracy{{std::numeric_limits<double>::infinity(), 0.5}, 2e-6, {}, 0, {}};
     results.push_back(makeResult(scanCase("cpu", "cpu"), CaseStatus::ok));
     results[4].accuracy = Accuracy{{0, 0}, 2e-6, 0, {}};
-    results.push_back(makeResult(*limitCase(results[0].which), CaseStatus::ok));
+    results.push_back(makeResult(*limitCase(results[0].theCase), CaseStatus::ok));
     results[5].isLimit = true;
     results[5].total = {0.75, 1.25};
     results[5].roundSizes = {1, 1};
@@ -136,7 +136,7 @@ TEST_CASE("the host has a name") {
 TEST_CASE("the result file has the keys of its schema") {
     const Json json = sample();
     CHECK(keysOf(json) == Keys{"schema", "tool", "host", "devices", "scene", "settings", "environment", "warnings",
-                               "calibrations", "noise_floor", "self_test", "limits", "cases"});
+                               "calibrations", "noise_floor", "self_test", "axes", "limits", "cases"});
     CHECK(json["schema"] == "skinbench-results/1");
     CHECK(keysOf(json["tool"]) == Keys{"version", "revision", "build_type"});
     CHECK(keysOf(json["host"]) == Keys{"os", "cpu"});
@@ -197,11 +197,12 @@ TEST_CASE("the values of the result file") {
     CHECK(mesh["meshlets"] == 12);
     CHECK(mesh["memory_bytes"]["total"] == 1024);
     CHECK(mesh["accuracy"]["max_position_error"] == 1.5e-7);
-    const Json options = {{"influences", "4"},        {"submission", "per-copy"},   {"back_faces", "culled"},
-                          {"meshlet_vertices", "64"}, {"meshlet_triangles", "124"}, {"group_size", "32"},
-                          {"joints", "vertex"},       {"loads", "guarded"},         {"records", "indexed"},
-                          {"palette", "storage"}};
-    CHECK(mesh["options"] == options);
+    const nlohmann::json options = {
+        {"meshlet_limits", "64/124"}, {"influences", "4"},        {"submission", "per-copy"},
+        {"back_faces", "culled"},     {"meshlet_vertices", "64"}, {"meshlet_triangles", "124"},
+        {"group_size", "32"},         {"joints", "vertex"},       {"loads", "guarded"},
+        {"records", "indexed"},       {"palette", "storage"}};
+    CHECK(nlohmann::json(mesh["options"]) == options);
     CHECK(json["cases"][1]["passes_ms"]["skin"] == 0.2);
     CHECK(json["cases"][1]["accuracy"]["image_difference"] == 0.25);
     CHECK(json["cases"][2]["options"]["index_writes"] == "packed");
@@ -264,9 +265,9 @@ TEST_CASE("the self-test tells the largest difference of equal cases") {
     RunContext context = makeContext();
     context.bench.selfTest = true;
     std::vector<CaseResult> results;
-    auto addPair = [&](const Case& which, double a, double b, double width) {
+    auto addPair = [&](const Case& c, double a, double b, double width) {
         for (double value : {a, b}) {
-            results.push_back(makeResult(which, CaseStatus::ok));
+            results.push_back(makeResult(c, CaseStatus::ok));
             results.back().total = {value - width, value + width};
             results.back().roundSizes = {1, 1};
         }

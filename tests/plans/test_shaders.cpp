@@ -13,22 +13,22 @@ using namespace skinbench;
 TEST_CASE("every case's shaders compile in their dialect") {
     Workload workload = tinyWorkload(2);
     size_t texts = 0;
-    for (const Case& which : everyCase()) {
+    for (const Case& c : everyCase()) {
         for (bool capture : {false, true}) {
-            auto input = planInput(workload, which);
+            auto input = planInput(workload, c);
             REQUIRE(input);
             input->capture = capture;
             // Capturing plans also take the ways of a device with small subgroups and other depths.
-            DeviceCaps caps = generousCaps(which.route->api);
-            if (capture && which.exchange != Exchange::shuffle) caps.meshSubgroups = false;
+            DeviceCaps caps = generousCaps(c.route->api);
+            if (capture && c.exchange != Exchange::shuffle) caps.meshSubgroups = false;
             caps.meshDepthDiffers = capture;
-            auto plan = makePlan(which, *input, caps);
-            INFO(caseId(which) << (capture ? " capturing" : ""));
+            auto plan = makePlan(c, *input, caps);
+            INFO(caseId(c) << (capture ? " capturing" : ""));
             REQUIRE(plan);
             for (const Program& program : plan->programs)
                 for (const ShaderText& shader : program.stages) {
                     INFO(shader.name);
-                    CHECK(glslangErrors(shader, which.route->api) == "");
+                    CHECK(glslangErrors(shader, c.route->api) == "");
                     ++texts;
                 }
         }
@@ -39,17 +39,17 @@ TEST_CASE("every case's shaders compile in their dialect") {
 TEST_CASE("a device that loses the last mesh output gets a spare one, and no other device does") {
     Workload workload = tinyWorkload(2);
     size_t changed = 0;
-    for (const Case& which : everyCase()) {
-        auto input = planInput(workload, which);
+    for (const Case& c : everyCase()) {
+        auto input = planInput(workload, c);
         REQUIRE(input);
-        DeviceCaps caps = generousCaps(which.route->api);
-        auto healthy = makePlan(which, *input, caps);
+        DeviceCaps caps = generousCaps(c.route->api);
+        auto healthy = makePlan(c, *input, caps);
         caps.lastMeshOutputLost = true;
-        auto faulty = makePlan(which, *input, caps);
-        INFO(caseId(which));
+        auto faulty = makePlan(c, *input, caps);
+        INFO(caseId(c));
         REQUIRE(healthy);
         REQUIRE(faulty);
-        const bool glExt = which.route->api == Api::opengl && which.route->dialect == MeshDialect::ext;
+        const bool glExt = c.route->api == Api::opengl && c.route->dialect == MeshDialect::ext;
         for (size_t p = 0; p < faulty->programs.size(); ++p)
             for (size_t s = 0; s < faulty->programs[p].stages.size(); ++s) {
                 const ShaderText& shader = faulty->programs[p].stages[s];
@@ -57,7 +57,7 @@ TEST_CASE("a device that loses the last mesh output gets a spare one, and no oth
                 INFO(shader.name);
                 CHECK((shader.text != healthy->programs[p].stages[s].text) == differs);
                 if (!differs) continue;
-                CHECK(glslangErrors(shader, which.route->api) == "");
+                CHECK(glslangErrors(shader, c.route->api) == "");
                 ++changed;
             }
     }
@@ -66,10 +66,10 @@ TEST_CASE("a device that loses the last mesh output gets a spare one, and no oth
 
 TEST_CASE("a timed plan holds no capture code") {
     Workload workload = tinyWorkload(1);
-    for (const Case& which : everyCase()) {
-        auto input = planInput(workload, which);
+    for (const Case& c : everyCase()) {
+        auto input = planInput(workload, c);
         REQUIRE(input);
-        auto plan = makePlan(which, *input, generousCaps(which.route->api));
+        auto plan = makePlan(c, *input, generousCaps(c.route->api));
         REQUIRE(plan);
         for (const Stream& stream : plan->streams) CHECK(stream.slot != SLOT_CAPTURE);
     }
@@ -81,11 +81,11 @@ TEST_CASE("every file of the shader folder is used by some case, and every codec
     Workload workload = tinyWorkload(1);
     std::vector<Case> cases = everyCase();
     cases.push_back(*limitCase(cases.front()));
-    for (const Case& which : cases) {
-        auto input = planInput(workload, which);
+    for (const Case& c : cases) {
+        auto input = planInput(workload, c);
         REQUIRE(input);
         input->capture = true;
-        auto plan = makePlan(which, *input, generousCaps(which.route->api));
+        auto plan = makePlan(c, *input, generousCaps(c.route->api));
         REQUIRE(plan);
         for (const Program& program : plan->programs)
             for (const ShaderText& shader : program.stages) used += shader.text.substr(0, shader.text.find('\n', 14));

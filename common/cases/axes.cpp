@@ -1,0 +1,453 @@
+// The rows. How ids, keys and crossings follow from them is in case_id.cpp and crossing.cpp.
+#include "common/cases/axes.h"
+
+#include <algorithm>
+#include <charconv>
+#include <format>
+#include <ranges>
+
+namespace skinbench {
+namespace {
+
+// --- what several rows have in common --------------------------------------------------------------------------
+
+std::string joined(const std::vector<std::string>& words) {
+    std::string text;
+    for (const std::string& word : words) text += (text.empty() ? "" : ", ") + word;
+    return text;
+}
+
+bool everyCase(const Case&) { return true; }
+bool onNvRoute(const Case& c) { return c.route->dialect == MeshDialect::nv; }
+bool draws(const Case& c) { return c.route->api != Api::cpu; }
+bool fetches(const Case& c) { return c.variant->fetches && !onMeshRoute(c); }
+bool skinsMeshlets(const Case& c) { return onMeshRoute(c) && c.variant->skins; }
+bool choosesJoints(const Case& c) { return skinsMeshlets(c) && !sharesJointLists(c); }
+bool culls(const Case& c) { return c.cull != Cull::off; }
+bool prepasses(const Case& c) { return c.variant->prepasses; }
+bool skinsInCompute(const Case& c) { return c.variant->skinsInCompute; }
+bool groupsTriangles(const Case& c) { return sharesJointLists(c) && c.ci.grouping == CiGrouping::triangles; }
+
+// What is left to say of a row once its values are there.
+struct Row {
+    std::string name;
+    AxisOption option;
+    Changes changes = Changes::plan;
+    bool (*applies)(const Case&) = everyCase;
+    std::string noun{};  // in messages; empty: the name
+};
+
+Axis startAxis(const Row& row) {
+    Axis axis;
+    axis.name = row.name;
+    axis.option = row.option;
+    if (axis.option.name.empty()) {
+        axis.option.name = row.name;
+        std::ranges::replace(axis.option.name, '_', '-');
+    }
+    axis.changes = row.changes;
+    axis.applies = row.applies;
+    return axis;
+}
+
+std::string nounOf(const Row& row) {
+    std::string noun = row.noun.empty() ? row.name : row.noun;
+    std::ranges::replace(noun, '_', ' ');
+    return noun;
+}
+
+template <class Value>
+struct Word {
+    const char* word;
+    Value value;
+    const char* idPart = "";  // empty: the usual one
+};
+
+// An axis of a few words; `field` gives the case's own.
+template <class Value>
+Axis wordAxis(const Row& row, std::vector<Word<Value>> table, Value& (*field)(Case&)) {
+    Axis axis = startAxis(row);
+    for (const Word<Value>& word : table) axis.words.push_back(word.word);
+    auto find = [table, field](const Case& c) {
+        const auto word = std::ranges::find(table, field(const_cast<Case&>(c)), &Word<Value>::value);
+        SKINBENCH_ASSERT(word != table.end());
+        return *word;
+    };
+    axis.usual = find(Case{}).word;
+    axis.get = [find](const Case& c) { return std::string(find(c).word); };
+    axis.set = [table, field, noun = nounOf(row), there = joined(axis.words)](Case& c, const std::string& text) {
+        const auto word = std::ranges::find(table, text, &Word<Value>::word);
+        if (word == table.end())
+            return Result<void>(inputError(std::format("no {} '{}'; there is {}", noun, text, there)));
+        field(c) = word->value;
+        return Result<void>{};
+    };
+    axis.unnamed = [usual = axis.usual](const Case&) { return std::vector{usual}; };
+    axis.idPart = [find](const Case& c) { return std::string(find(c).idPart); };
+    axis.readIdPart = [table, field](Case& c, std::string_view part) {
+        for (const Word<Value>& word : table) {
+            if (part.empty() || part != word.idPart) continue;
+            field(c) = word.value;
+            return true;
+        }
+        return false;
+    };
+    return axis;
+}
+
+struct Numbers {
+    uint32_t least, most;
+    const char *before, *after;  // in ids: "group-" and ""
+    bool always = false;         // in ids at its usual value too
+};
+
+std::optional<uint32_t> numberOf(std::string_view text, const Numbers& numbers) {
+    uint32_t value = 0;
+    const auto [end, failed] = std::from_chars(text.data(), text.data() + text.size(), value);
+    const bool right = failed == std::errc{} && end == text.data() + text.size() && (value == 0 || text.front() != '0');
+    return right && value >= numbers.least && value <= numbers.most ? std::optional(value) : std::nullopt;
+}
+
+template <class Value>
+Axis numberAxis(const Row& row, const Numbers& numbers, Value& (*field)(Case&)) {
+    Axis axis = startAxis(row);
+    auto get = [field](const Case& c) { return std::to_string(field(const_cast<Case&>(c))); };
+    axis.usual = get(Case{});
+    axis.get = get;
+    axis.set = [numbers, field, noun = nounOf(row)](Case& c, const std::string& text) {
+        const auto value = text.empty() ? std::nullopt : numberOf(text, numbers);
+        if (!value)
+            return Result<void>(inputError(
+                std::format("{} '{}' is not a number from {} to {}", noun, text, numbers.least, numbers.most)));
+        field(c) = static_cast<Value>(*value);
+        return Result<void>{};
+    };
+    axis.unnamed = [usual = axis.usual](const Case&) { return std::vector{usual}; };
+    axis.idPart = [get, numbers, usual = axis.usual](const Case& c) {
+        const std::string value = get(c);
+        return value == usual && !numbers.always ? std::string() : numbers.before + value + numbers.after;
+    };
+    axis.readIdPart = [numbers, field](Case& c, std::string_view part) {
+        if (!part.starts_with(numbers.before) || !part.ends_with(numbers.after)) return false;
+        part.remove_prefix(std::string_view(numbers.before).size());
+        part.remove_suffix(std::min(part.size(), std::string_view(numbers.after).size()));
+        const auto value = part.empty() ? std::nullopt : numberOf(part, numbers);
+        if (value) field(c) = static_cast<Value>(*value);
+        return value.has_value();
+    };
+    return axis;
+}
+
+// An axis whose values are the rows of a table, a part of the id's path. `usual` empty: a crossing takes every row.
+template <class Table>
+Axis rowAxis(const Row& row, const std::vector<Table>& table, const std::string& usual, const Table*& (*field)(Case&)) {
+    Axis axis = startAxis(row);
+    axis.inPath = axis.topLevel = true;
+    for (const Table& entry : table) axis.words.push_back(entry.name);
+    axis.usual = usual;
+    axis.get = [field](const Case& c) {
+        const Table* entry = field(const_cast<Case&>(c));
+        return std::string(entry ? entry->name : "");
+    };
+    axis.set = [&table, field, noun = nounOf(row), there = joined(axis.words)](Case& c, const std::string& text) {
+        const auto entry = std::ranges::find(table, text, &Table::name);
+        if (entry == table.end())
+            return Result<void>(inputError(std::format("no {} '{}'; there is {}", noun, text, there)));
+        field(c) = &*entry;
+        return Result<void>{};
+    };
+    axis.unnamed = [usual, words = axis.words](const Case&) { return usual.empty() ? words : std::vector{usual}; };
+    axis.idPart = [](const Case&) { return std::string(); };
+    axis.readIdPart = [](Case&, std::string_view) { return false; };
+    return axis;
+}
+
+// --- rows that need more ---------------------------------------------------------------------------------------
+
+// Rows of codecs(), or any other that findCodec knows, but for those that follow from where the joints are.
+Axis codecAxis() {
+    Axis axis = rowAxis<Codec>({"codec", {"codecs", {}, ""}, Changes::encoding}, codecs(), "uc",
+                               [](Case& c) -> const Codec*& { return c.codec; });
+    axis.set = [there = joined(axis.words)](Case& c, const std::string& text) {
+        const Codec* const codec = findCodec(text);
+        const bool follows =
+            std::ranges::any_of(codecs(), [&](const Codec& row) { return row.slim && text == row.slim; });
+        if (!codec || follows)
+            return Result<void>(
+                inputError(std::format("no codec '{}'; there is {}, and pc16, pc24 to pc64", text, there)));
+        c.codec = codec;
+        return Result<void>{};
+    };
+    axis.ofLimit = "ids";
+    axis.changesPicture = true;
+    return axis;
+}
+
+// Meshlet limits that the literature and the vendors name.
+const std::vector<Word<MeshletLimits>> kLimits = {
+    {"nvidia", {64, 126}}, {"meshopt", {64, 124}}, {"nvidia-84", {64, 84}},
+    {"square", {64, 64}},  {"half", {64, 96}},     {"amd", {128, 256}},
+};
+
+// "64/124", with any separator.
+std::optional<MeshletLimits> limitsOf(std::string_view text, char separator) {
+    const size_t middle = text.find(separator);
+    if (middle == 0 || middle == std::string_view::npos || middle + 1 == text.size()) return std::nullopt;
+    const auto vertices = numberOf(text.substr(0, middle), {3, 255, "", ""});
+    const auto triangles = numberOf(text.substr(middle + 1), {4, 512, "", ""});
+    if (!vertices || !triangles) return std::nullopt;
+    return MeshletLimits{*vertices, *triangles};
+}
+
+std::string limitsText(const MeshletLimits& limits, char separator) {
+    return std::format("{}{}{}", limits.vertices, separator, limits.triangles);
+}
+
+Axis limitsAxis() {
+    Axis axis = startAxis(
+        {"meshlet_limits", {"meshlets", {}, ", or VERTICES/TRIANGLES at the most"}, Changes::meshlets, onMeshRoute});
+    for (const auto& named : kLimits) axis.words.push_back(named.word);
+    axis.usual = limitsText({}, '/');
+    axis.get = [](const Case& c) { return limitsText(c.limits, '/'); };
+    axis.set = [there = joined(axis.words)](Case& c, const std::string& text) {
+        const auto named = std::ranges::find(kLimits, text, &Word<MeshletLimits>::word);
+        const auto limits = named != kLimits.end() ? std::optional(named->value) : limitsOf(text, '/');
+        if (!limits && !text.contains('/'))
+            return Result<void>(
+                inputError("no meshlet limits '" + text + "'; there is " + there + ", or VERTICES/TRIANGLES"));
+        if (!limits) return Result<void>(inputError("meshlet limits '" + text + "' must lie between 3/4 and 255/512"));
+        c.limits = *limits;
+        return Result<void>{};
+    };
+    axis.unnamed = [usual = axis.usual](const Case&) { return std::vector{usual}; };
+    axis.idPart = [](const Case& c) { return c.limits == MeshletLimits{} ? "" : limitsText(c.limits, '-'); };
+    axis.readIdPart = [](Case& c, std::string_view part) {
+        const auto limits = limitsOf(part, '-');
+        if (limits) c.limits = *limits;
+        return limits.has_value();
+    };
+    axis.ofLimit = kSame;
+    return axis;
+}
+
+struct Flag {
+    const char* name;
+    bool ComputeOptions::*option;
+};
+constexpr Flag kComputeFlags[] = {
+    {"staged", &ComputeOptions::staged},     {"previous", &ComputeOptions::previous},
+    {"tangents", &ComputeOptions::tangents}, {"early-exit", &ComputeOptions::earlyExit},
+    {"packed", &ComputeOptions::packed},     {"half-rate", &ComputeOptions::halfRate},
+};
+
+bool setFlag(ComputeOptions& options, std::string_view name) {
+    const auto flag = std::ranges::find(kComputeFlags, name, &Flag::name);
+    if (flag == std::end(kComputeFlags)) return false;
+    options.*flag->option = true;
+    return true;
+}
+
+std::string flagsOf(const Case& c) {
+    std::string names;
+    for (const Flag& flag : kComputeFlags)
+        if (c.compute.*flag.option) names += (names.empty() ? "" : "+") + std::string(flag.name);
+    return names;
+}
+
+Axis computeAxis() {
+    Axis axis = startAxis(
+        {"compute", {"compute", {}, "; of the variant compute, joined with +"}, Changes::plan, skinsInCompute});
+    axis.words = {"plain"};
+    for (const Flag& flag : kComputeFlags) axis.words.push_back(flag.name);
+    axis.usual = "plain";
+    axis.get = [](const Case& c) { return c.compute == ComputeOptions{} ? "plain" : flagsOf(c); };
+    axis.set = [there = joined(axis.words)](Case& c, const std::string& text) {
+        c.compute = {};
+        if (text == "plain") return Result<void>{};
+        for (const auto part : std::views::split(text, '+'))
+            if (const std::string_view name(part.begin(), part.end()); !setFlag(c.compute, name))
+                return Result<void>(inputError(
+                    std::format("no compute option '{}'; there is {}, which may be joined with +", name, there)));
+        return Result<void>{};
+    };
+    axis.unnamed = [](const Case&) { return std::vector<std::string>{"plain"}; };
+    axis.idPart = flagsOf;
+    axis.readIdPart = [](Case& c, std::string_view part) { return setFlag(c.compute, part); };
+    return axis;
+}
+
+// Where attributes cannot carry the codec there is one way left.
+Axis fetchAxis() {
+    Axis axis = wordAxis<VertexFetch>({"vertex_fetch", {"", {}, ""}, Changes::plan, fetches},
+                                      {{"attributes", VertexFetch::attributes}, {"pull", VertexFetch::pull, "pull"}},
+                                      [](Case& c) -> VertexFetch& { return c.fetch; });
+    axis.unnamed = [words = axis.words](const Case& c) {
+        return c.codec->feedsAttributes ? words : std::vector<std::string>{"pull"};
+    };
+    axis.ofLimit = "pull";
+    return axis;
+}
+
+Axis same(Axis axis) {
+    axis.ofLimit = kSame;
+    return axis;
+}
+
+Axis topLevel(Axis axis) {
+    axis.topLevel = true;
+    return axis;
+}
+
+Axis asShape(Axis axis) {
+    axis.shape = true;
+    return axis;
+}
+
+Axis besideOf(const char* other, Axis axis) {
+    axis.beside = other;
+    return axis;
+}
+
+// --- the table -------------------------------------------------------------------------------------------------
+
+void addRows(std::vector<Axis>& rows) {
+    rows.push_back(same(rowAxis<Route>({"route", {"routes", {}, ", or auto"}, Changes::plan}, routes(), "",
+                                       [](Case& c) -> const Route*& { return c.route; })));
+    rows.push_back(rowAxis<Variant>({"variant", {"variants", {}, ""}, Changes::plan}, variants(), "",
+                                    [](Case& c) -> const Variant*& { return c.variant; }));
+    rows.back().ofLimit = "none";
+    rows.push_back(codecAxis());
+    rows.push_back(same(rowAxis<Builder>({"builder", {"builders", {}, ""}, Changes::meshlets, onMeshRoute}, builders(),
+                                         "meshopt", [](Case& c) -> const Builder*& { return c.builder; })));
+    rows.push_back(
+        same(rowAxis<MeshletLayout>({"layout", {"layouts", {}, ""}, Changes::plan, onMeshRoute}, meshletLayouts(),
+                                    "redirect", [](Case& c) -> const MeshletLayout*& { return c.layout; })));
+    rows.push_back(limitsAxis());
+    rows.push_back(
+        same(numberAxis<uint32_t>({"group_size",
+                                   {"", {}, "invocations of a mesh work group"},
+                                   Changes::plan,
+                                   onMeshRoute,
+                                   "mesh work group size"},
+                                  {1, 1024, "group-", ""}, [](Case& c) -> uint32_t& { return c.groupSize; })));
+    rows.push_back(same(wordAxis<bool>({"index_writes", {"", {}, ", on NV routes"}, Changes::plan, onNvRoute},
+                                       {{"packed", true}, {"single", false, "unpacked-writes"}},
+                                       [](Case& c) -> bool& { return c.packedWrites; })));
+    rows.push_back(
+        wordAxis<CiGrouping>({"ci_grouping", {"", {}, ", of mesh-ci"}, Changes::records, sharesJointLists},
+                             {{ciGroupingName(CiGrouping::meshlets), CiGrouping::meshlets},
+                              {ciGroupingName(CiGrouping::triangles), CiGrouping::triangles, "ci-triangles"}},
+                             [](Case& c) -> CiGrouping& { return c.ci.grouping; }));
+    rows.push_back(
+        besideOf("ci_grouping",
+                 wordAxis<CiKey>({"ci_key", {"", {}, ", of grouping triangles"}, Changes::records, groupsTriangles},
+                                 {{ciKeyName(CiKey::fit), CiKey::fit},
+                                  {ciKeyName(CiKey::set), CiKey::set, "ci-set"},
+                                  {ciKeyName(CiKey::ordered), CiKey::ordered, "ci-ordered"}},
+                                 [](Case& c) -> CiKey& { return c.ci.key; })));
+    rows.push_back(numberAxis<uint32_t>(
+        {"ci_min", {"", {}, "fewest vertices of a common meshlet or group"}, Changes::records, sharesJointLists},
+        {0, UINT32_MAX, "ci-min-", ""}, [](Case& c) -> uint32_t& { return c.ci.minVertices; }));
+    rows.push_back(wordAxis<bool>({"ci_vertices", {"", {}, ", of mesh-ci"}, Changes::encoding, sharesJointLists},
+                                  {{"slim", false}, {"fat", true, "fat"}}, [](Case& c) -> bool& { return c.ci.fat; }));
+    rows.push_back(asShape(wordAxis<JointSource>(
+        {"joints", {"", {}, ": where meshlet vertices name joints"}, Changes::encoding, choosesJoints, "joint source"},
+        {{"vertex", JointSource::vertex},
+         {"meshlet", JointSource::meshlet, "joints-meshlet"},
+         {"staged", JointSource::staged, "joints-staged"}},
+        [](Case& c) -> JointSource& { return c.shape.joints; })));
+    rows.push_back(
+        asShape(wordAxis<bool>({"loads", {"", {}, ", of mesh stages"}, Changes::plan, onMeshRoute, "kind of loads"},
+                               {{"guarded", false}, {"clamped", true, "clamped-loads"}},
+                               [](Case& c) -> bool& { return c.shape.clampedLoads; })));
+    rows.push_back(asShape(
+        wordAxis<bool>({"records", {"", {}, ", of mesh stages"}, Changes::records, onMeshRoute, "order of records"},
+                       {{"indexed", false}, {"ordered", true, "ordered-records"}},
+                       [](Case& c) -> bool& { return c.shape.orderedRecords; })));
+    rows.back().ofLimit = "ordered";  // so that no vertex id is fetched
+    rows.push_back(asShape(wordAxis<bool>({"palette",
+                                           {"palette-buffer", {"palette"}, ", of mesh stages"},
+                                           Changes::plan,
+                                           skinsMeshlets,
+                                           "palette buffer"},
+                                          {{"storage", false}, {"uniform", true, "uniform-palette"}},
+                                          [](Case& c) -> bool& { return c.shape.uniformPalette; })));
+    rows.push_back(numberAxis<uint32_t>({"palette_slots",
+                                         {"", {"slots"}, "joints of one draw of the variant palette"},
+                                         Changes::records,
+                                         usesPartition},
+                                        {1, UINT16_MAX, "slots-", "", true},
+                                        [](Case& c) -> uint32_t& { return c.paletteSlots; }));
+    rows.push_back(computeAxis());
+    rows.push_back(same(wordAxis<int>({"influences", {}, Changes::scene}, {{"4", 4}, {"8", 8, "8-influences"}},
+                                      [](Case& c) -> int& { return c.influences; })));
+    rows.back().changesPicture = true;
+    rows.push_back(fetchAxis());
+    rows.push_back(
+        same(wordAxis<Submission>({"submission", {}, Changes::plan, draws},
+                                  {{"per-copy", Submission::perCopy}, {"batched", Submission::batched, "batched"}},
+                                  [](Case& c) -> Submission& { return c.submission; })));
+    rows.push_back(same(wordAxis<bool>({"back_faces", {"", {}, ", by the rasteriser"}, Changes::plan, draws},
+                                       {{"culled", false}, {"kept", true, "keep-back-faces"}},
+                                       [](Case& c) -> bool& { return c.keepBackFaces; })));
+    rows.push_back(topLevel(
+        wordAxis<Cull>({"cull", {"", {}, ": back faces, in the mesh stage"}, Changes::plan, skinsMeshlets, "culling"},
+                       {{"off", Cull::off},
+                        {"compact", Cull::compact, "cull-compact"},
+                        {"primitive", Cull::primitive, "cull-primitive"},
+                        {"torabi", Cull::torabi, "cull-torabi"}},
+                       [](Case& c) -> Cull& { return c.cull; })));
+    rows.push_back(besideOf(
+        "cull", wordAxis<Exchange>(
+                    {"exchange", {"", {}, ": how culling lanes see each other's positions"}, Changes::plan, culls},
+                    {{"auto", Exchange::automatic},
+                     {"shuffle", Exchange::shuffle, "shuffle"},
+                     {"shared", Exchange::shared, "shared"}},
+                    [](Case& c) -> Exchange& { return c.exchange; })));
+    rows.push_back(
+        topLevel(wordAxis<Scenario>({"scenario", {}, Changes::plan, prepasses},
+                                    {{"direct", Scenario::direct}, {"prepass", Scenario::prepass, "prepass"}},
+                                    [](Case& c) -> Scenario& { return c.scenario; })));
+    rows.push_back(topLevel(same(wordAxis<RasterMode>({"raster", {}, Changes::raster, draws, "raster mode"},
+                                                      {{"full", RasterMode::full},
+                                                       {"no-fragments", RasterMode::noFragments, "no-fragments"},
+                                                       {"discard", RasterMode::discard, "discard"}},
+                                                      [](Case& c) -> RasterMode& { return c.raster; }))));
+    rows.push_back(wordAxis<View>({"view", {}, Changes::plan, draws},
+                                  {{"shaded", View::shaded},
+                                   {"meshlets", View::meshlets, "view-meshlets"},
+                                   {"weights", View::weights, "view-weights"},
+                                   {"tuples", View::tuples, "view-tuples"},
+                                   {"velocity", View::velocity, "view-velocity"},
+                                   {"resolution", View::resolution, "view-resolution"}},
+                                  [](Case& c) -> View& { return c.view; }));
+    rows.back().benched = false;
+    rows.back().changesPicture = true;
+}
+
+}  // namespace
+
+const char* changesName(Changes changes) {
+    constexpr const char* names[] = {"scene", "meshlets", "records", "encoding", "plan", "raster"};
+    return names[static_cast<size_t>(changes)];
+}
+
+std::vector<Axis>& axisTable() {
+    static std::vector<Axis> rows = [] {
+        std::vector<Axis> table;
+        addRows(table);
+        return table;
+    }();
+    return rows;
+}
+
+const std::vector<Axis>& axes() { return axisTable(); }
+
+const Axis* findAxis(std::string_view name) {
+    const auto axis = std::ranges::find(axes(), name, &Axis::name);
+    return axis == axes().end() ? nullptr : &*axis;
+}
+
+std::string wordsOf(const Axis& axis) { return joined(axis.words); }
+
+}  // namespace skinbench

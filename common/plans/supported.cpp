@@ -1,0 +1,78 @@
+// What a device must have for a case.
+#include <format>
+
+#include "common/plans/plan_parts.h"
+
+namespace skinbench {
+
+// What one work group keeps in shared memory when it culls.
+static uint32_t exchangeBytes(const Case& c) {
+    if (c.cull == Cull::off) return 0;
+    return c.limits.vertices * 12 + (c.limits.triangles + c.groupSize * 4);
+}
+
+static std::optional<std::string> unsupportedOptions(const Case& c, const DeviceCaps& caps) {
+    if (c.cull == Cull::primitive && c.route->dialect == MeshDialect::nv)
+        return "gl_CullPrimitive exists in the EXT dialect only";
+    if ((c.cull == Cull::primitive || c.cull == Cull::torabi) && c.route->dialect == MeshDialect::ext &&
+        caps.primitiveCullIgnored)
+        return caps.name + " ignores gl_CullPrimitiveEXT";
+    if (c.exchange == Exchange::shuffle && c.cull != Cull::compact) return "only --cull compact exchanges by shuffles";
+    if (c.exchange == Exchange::shuffle && !canShuffle(c, caps))
+        return std::format("{} invocations a work group are not one subgroup that can shuffle: {} has {}", c.groupSize,
+                           caps.name, caps.subgroupSize);
+    const MeshLimitsOfDevice& limits = meshLimits(caps, c.route->dialect);
+    if (exchangeBytes(c) > limits.maxSharedBytes)
+        return std::format("{} bytes of shared memory: {} allows {}", exchangeBytes(c), caps.name,
+                           limits.maxSharedBytes);
+    if (storesSlim(c) && !c.codec->slim)
+        return std::string("codec ") + c.codec->name + " has no record without joint ids";
+    if (sharesJointLists(c) && c.shape.joints != JointSource::vertex) return "mesh-ci lists joints its own way";
+    return std::nullopt;
+}
+
+static std::optional<std::string> unsupportedMeshlets(const Case& c, const DeviceCaps& caps) {
+    const MeshLimitsOfDevice& limits = meshLimits(caps, c.route->dialect);
+    const char* prefix = c.route->api == Api::vulkan ? "VK" : "GL";
+    const char* vendor = c.route->dialect == MeshDialect::nv ? "NV" : "EXT";
+    if (!limits.available) return std::format("{} has no {}_{}_mesh_shader", caps.name, prefix, vendor);
+    if (c.limits.vertices > limits.maxVertices)
+        return std::format("{} vertices a meshlet: {} allows {}", c.limits.vertices, caps.name, limits.maxVertices);
+    if (c.limits.triangles > limits.maxTriangles)
+        return std::format("{} triangles a meshlet: {} allows {}", c.limits.triangles, caps.name, limits.maxTriangles);
+    if (c.groupSize > limits.maxGroupSize)
+        return std::format("{} invocations a mesh work group: {} allows {}", c.groupSize, caps.name,
+                           limits.maxGroupSize);
+    return unsupportedOptions(c, caps);
+}
+
+bool canShuffle(const Case& c, const DeviceCaps& caps) {
+    return caps.meshSubgroups && caps.subgroupSize == c.groupSize;
+}
+
+std::optional<std::string> unsupported(const Case& c, const DeviceCaps& caps) {
+    if (c.route->api == Api::cpu) return std::nullopt;
+    if (caps.timestampBits == 0) return caps.name + " offers no timestamps, so passes cannot be timed";
+    if (c.codec->needsMeshlets && c.route->dialect == MeshDialect::none)
+        return std::string("codec ") + c.codec->name + " decodes in mesh stages only";
+    if (auto reason = cannotHold(*c.codec, c.influences)) return reason;
+    if (!c.codec->storesJoints && c.variant->skins) return std::string("codec ") + c.codec->name + " stores no joints";
+    if (usesPartition(c) && !c.codec->takesSlots)
+        return std::string("codec ") + c.codec->name + " stores joints, and palette draws need slots";
+    if (c.variant->fetches && c.route->dialect == MeshDialect::none && c.fetch == VertexFetch::attributes &&
+        !c.codec->feedsAttributes)
+        return std::string("no attribute format carries codec ") + c.codec->name;
+    if ((c.shape.uniformPalette || usesPartition(c)) && c.submission == Submission::batched)
+        return "a uniform block holds one copy's palette, so copies cannot be drawn at once";
+    if (c.compute.staged && c.submission == Submission::batched)
+        return "a work group of a batched dispatch spans copies, so it cannot stage the palette of one";
+    if (c.route->dialect != MeshDialect::none) return unsupportedMeshlets(c, caps);
+    // A vertex stage reads the palette, and the vertices when it pulls; verifying plans add the capture buffer.
+    const uint32_t blocks = c.variant->vertexBlocks + (c.fetch == VertexFetch::pull);
+    if (caps.storageBlocksVertex < blocks)
+        return std::format("{} storage blocks in the vertex stage: {} allows {}", blocks, caps.name,
+                           caps.storageBlocksVertex);
+    return std::nullopt;
+}
+
+}  // namespace skinbench

@@ -1,0 +1,96 @@
+// The tables of routes and variants, and what follows from a case's rows.
+#include <algorithm>
+
+#include "common/plans/case.h"
+#include "common/plans/plans.h"
+
+namespace skinbench {
+
+const std::vector<Route>& routes() {
+    static const std::vector<Route> rows = {
+        {.name = "vk", .api = Api::vulkan, .what = "Vulkan, vertex and compute stages"},
+        {.name = "vk-ext", .api = Api::vulkan, .dialect = MeshDialect::ext, .what = "Vulkan, VK_EXT_mesh_shader"},
+        {.name = "vk-nv", .api = Api::vulkan, .dialect = MeshDialect::nv, .what = "Vulkan, VK_NV_mesh_shader"},
+        {.name = "gl", .api = Api::opengl, .what = "OpenGL, vertex and compute stages"},
+        {.name = "gl-ext", .api = Api::opengl, .dialect = MeshDialect::ext, .what = "OpenGL, GL_EXT_mesh_shader"},
+        {.name = "gl-nv", .api = Api::opengl, .dialect = MeshDialect::nv, .what = "OpenGL, GL_NV_mesh_shader"},
+        {.name = "cpu", .api = Api::cpu, .what = "no graphics API: skinning on all cores"},
+    };
+    return rows;
+}
+
+const std::vector<Variant>& variants() {
+    static const std::vector<Variant> rows = {
+        {.name = "none",
+         .what = "no skinning: the baseline",
+         .onPlainRoutes = true,
+         .onMeshRoutes = true,
+         .skins = false,
+         .fetches = true,
+         .plan = planDirect},
+        {.name = "vertex",
+         .what = "linear blend skinning in the vertex stage",
+         .onPlainRoutes = true,
+         .fetches = true,
+         .prepasses = true,
+         .plan = planDirect},
+        {.name = "compute",
+         .what = "a compute pass skins into a buffer, a plain vertex stage draws it",
+         .onPlainRoutes = true,
+         .skinsInCompute = true,
+         .prepasses = true,
+         .plan = planCompute},
+        {.name = "mesh",
+         .what = "a mesh-shader work group skins and draws a meshlet",
+         .onMeshRoutes = true,
+         .prepasses = true,
+         .plan = planDirect},
+        {.name = "mesh-ci",
+         .what = "as mesh, joint ids once per meshlet where its vertices share them",
+         .onMeshRoutes = true,
+         .prepasses = true,
+         .storedAs = StoredAs::commonInfluences,
+         .plan = planDirect},
+        {.name = "palette",
+         .what = "as vertex, in draws whose joints fit the slots of a small uniform palette",
+         .onPlainRoutes = true,
+         .fetches = true,
+         .storedAs = StoredAs::palettePartition,
+         .plan = planDirect},
+        {.name = "cpu",
+         .what = "the CPU skins on all cores, uploads, draws",
+         .onPlainRoutes = true,
+         .onCpuRoute = true,
+         .skinsOnHost = true,
+         .plan = planCpu},
+    };
+    return rows;
+}
+
+template <class Row>
+static const Row* findRow(const std::vector<Row>& rows, const std::string& name) {
+    const auto row = std::ranges::find(rows, name, &Row::name);
+    return row == rows.end() ? nullptr : &*row;
+}
+
+const Route* findRoute(const std::string& name) { return findRow(routes(), name); }
+const Variant* findVariant(const std::string& name) { return findRow(variants(), name); }
+
+bool runsOn(const Variant& variant, const Route& route) {
+    if (route.api == Api::cpu) return variant.onCpuRoute;
+    return route.dialect == MeshDialect::none ? variant.onPlainRoutes : variant.onMeshRoutes;
+}
+
+bool onMeshRoute(const Case& c) { return c.route->dialect != MeshDialect::none; }
+
+bool sharesJointLists(const Case& c) { return c.variant->storedAs == StoredAs::commonInfluences; }
+
+bool usesPartition(const Case& c) { return c.variant->storedAs == StoredAs::palettePartition; }
+
+bool storesSlim(const Case& c) { return c.builder && (sharesJointLists(c) || c.shape.joints != JointSource::vertex); }
+
+const Codec& storedCodec(const Case& c) {
+    return storesSlim(c) && c.codec->slim ? *findCodec(c.codec->slim) : *c.codec;
+}
+
+}  // namespace skinbench
