@@ -7,6 +7,7 @@ repo=$(cd "$(dirname "${BASH_SOURCE[0]}")/.." && pwd)
 preset=$1
 target=$2
 shift 2
+export CCACHE_SLOPPINESS=${CCACHE_SLOPPINESS:-pch_defines,time_macros}  # or it keeps nothing of precompiled headers
 build=$repo/build/${SKINBENCH_ENVIRONMENT:-native}-$preset
 
 if [ ! -f "$build/build.ninja" ]; then
