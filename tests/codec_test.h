@@ -44,7 +44,7 @@ inline glm::vec3 randomDirection(Random& random) {
     return {r * std::cos(a), r * std::sin(a), z};
 }
 
-// codecs.md section 2 for weights that need no merging.
+// docs/codecs.md 2 for weights that need no merging.
 inline Influences cleanInfluences(std::vector<std::pair<uint16_t, double>> list) {
     std::sort(list.begin(), list.end(), [](const auto& a, const auto& b) {
         return a.second != b.second ? a.second > b.second : a.first < b.first;

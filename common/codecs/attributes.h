@@ -1,4 +1,4 @@
-// Quantised positions, texture coordinates and normals (codecs.md section 1; Kimmersdorfer 2.1.1 to 2.1.3).
+// Quantised positions, texture coordinates and normals (docs/codecs.md 1; Kimmersdorfer 2.1.1 to 2.1.3).
 //
 // Every integer q lies in 0..S with S = 2^bits - 1 and decodes to q / S. Divide: a multiplication with 1 / S differs in
 // the last bit for 512 of the 65536 values of 16 bits.

@@ -1,5 +1,5 @@
-// Vertex codecs: how one vertex lies in memory. A codec is an encoder (a file in common/codecs), a decoder (a file in
-// shaders_glsl/codecs) and a row in codecs().
+// Vertex codecs: how one vertex lies in memory; docs/codecs.md draws every bit. A codec is an encoder (a file in
+// common/codecs), a decoder (a file in shaders_glsl/codecs) and a row in codecs().
 #pragma once
 
 #include <functional>
@@ -62,7 +62,7 @@ struct Codec {
     bool storesJoints = true;      // skinned vertices can be made from it
     bool takesSlots = false;       // its joint ids may be slots of a small palette
     int mostInfluences = 8;
-    const char* slim = nullptr;    // codec of the same vertices where meshlets list the joints; null: there is none
+    const char* slim = nullptr;  // codec of the same vertices where meshlets list the joints; null: there is none
     Result<EncodedMesh> (*encode)(const EncodeInput& in);
 };
 
@@ -80,8 +80,9 @@ Mesh decodeOnCpu(const Mesh& mesh, const EncodedMesh& encoded);
 
 // --- encoders --------------------------------------------------------------------------------------------------
 
-// Uncompressed, 64 bytes with 4 influences (Kimmersdorfer 3.3) and 96 with 8; shaders_glsl/codecs/uc.glsl reads it.
-// Irrelevant influences are stored as joint 0 with weight 0, so that reading the palette needs no test.
+// docs/codecs.md 8.2. Uncompressed, 64 bytes with 4 influences (Kimmersdorfer 3.3) and 96 with 8;
+// shaders_glsl/codecs/uc.glsl reads it. Irrelevant influences are stored as joint 0 with weight 0, so that reading the
+// palette needs no test.
 Result<EncodedMesh> encodeUncompressed(const EncodeInput& in);
 
 // Quantised attributes in 14 bytes and u16 joints and unorm16 weights behind them: 30 bytes, 46 with 8 influences.
@@ -106,8 +107,8 @@ Result<EncodedMesh> encodePdc16(const EncodeInput& in);
 Result<EncodedMesh> encodePdc32(const EncodeInput& in);
 Result<EncodedMesh> encodeDpdc16(const EncodeInput& in);
 
-// Uncompressed as encodeUncompressed, but the first `slimRecords` records hold no joint ids: 48 bytes instead of 64
-// with 4 influences, 64 instead of 96 with 8. `fat`: no record is slim.
+// docs/codecs.md 8.4. Uncompressed as encodeUncompressed, but the first `slimRecords` records hold no joint ids: 48
+// bytes instead of 64 with 4 influences, 64 instead of 96 with 8. `fat`: no record is slim.
 Result<EncodedMesh> encodeSlim(const EncodeInput& in);
 
 // No bytes at all: the decoder places vertex n of a copy by its number, in the bounding box of the mesh.

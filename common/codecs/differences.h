@@ -1,4 +1,4 @@
-// Meshlet difference encoding: blend codes as differences to the smallest of their meshlet (codecs.md section 7;
+// Meshlet difference encoding: blend codes as differences to the smallest of their meshlet (docs/codecs.md 7;
 // Kimmersdorfer 2.2).
 //
 //   vertex   base vertex of packed.h, 14 bytes, then the difference to the meshlet's base code in 0 to 4 bytes,

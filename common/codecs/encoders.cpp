@@ -57,20 +57,20 @@ uint32_t tupleCount(const std::vector<uint16_t>& tuples, int influences) {
     return static_cast<uint32_t>(tuples.size() / static_cast<size_t>(influences));
 }
 
-// Half a step of section 1.1, and what single precision adds when it decodes.
+// Half a step of docs/codecs.md 1.1, and what single precision adds when it decodes.
 glm::dvec3 positionBound(const PositionGrid& grid) {
     const glm::dvec3 extent(grid.extent);
     return extent * (0.5 / quantizerSteps(16)) + (extent + glm::abs(glm::dvec3(grid.min))) * 0x1p-22;
 }
 
-constexpr double kWeightRounding = 1e-6;  // section 10.3
+constexpr double kWeightRounding = 1e-6;  // of a decoder in single precision
 
-// Section 4.5: the Euclidean bound, and by Cauchy and Schwarz the sum.
+// docs/codecs.md 4.5: the Euclidean bound, and by Cauchy and Schwarz the sum.
 double weightsBound(const PermutationCode& code) {
     return std::sqrt(code.entries + 1.0) * worstErrorLength(code) + kWeightRounding;
 }
 
-// Section 6, in steps: half of one for w4, at most one for w3 and w2 where the grid ends, their rest for w1.
+// docs/codecs.md 6, in steps: half of one for w4, at most one for w3 and w2 where the grid ends, their rest for w1.
 double weightsBound(const SimplexCode& code) { return 4 * code.step + kWeightRounding; }
 
 // Each weight is rounded to one of its two neighbours.

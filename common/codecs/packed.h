@@ -1,4 +1,4 @@
-// Vertices of a fixed stride: quantised base attributes and one blend code per vertex (codecs.md sections 7.1, 6 and 4;
+// Vertices of a fixed stride: quantised base attributes and one blend code per vertex (docs/codecs.md 1.4, 4 and 6;
 // Kimmersdorfer 3.3). All fields are little-endian; nothing is padded but the end of the buffer.
 //
 // Base vertex, 14 bytes (the first 14 of every codec here and in differences.h):

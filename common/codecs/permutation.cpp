@@ -46,7 +46,7 @@ uint32_t mostValues(int entries, uint64_t quotients, int bits) {
 
 uint64_t ceilDivide(uint64_t a, uint64_t b) { return (a + b - 1) / b; }
 
-// Weight of the error of entry i in section 4.5: 1 / ((N + 1 - i)(N - i)).
+// Weight of the error of entry i in docs/codecs.md 4.5: 1 / ((N + 1 - i)(N - i)).
 double errorShare(int entries, int i) { return 1.0 / ((entries + 1.0 - i) * (entries - i)); }
 
 // Depth-first search over the non-decreasing extra counts. W depends on their product alone.
@@ -148,7 +148,7 @@ uint64_t encodeWith(const PermutationCode& code, std::span<const float> ascendin
         const float scaled = static_cast<float>(code.levels(i)) * c;
         const float shifted = scaled + (static_cast<float>(code.offset(i)) + 0.5f);
         Word m = static_cast<Word>(truncateTo(shifted, code.levels(i) + code.offset(i)));
-        if (i > 0) m = std::max(m, (quotient[i - 1] + 1) * extra);  // equal weights on a half step: section 4.6
+        if (i > 0) m = std::max(m, (quotient[i - 1] + 1) * extra);  // equal weights on a half step: docs/codecs.md 4.6
         m = std::max(m, static_cast<Word>(code.offset(i)));         // below only for weights out of range
         quotient[i] = m / extra;
         payload = payload * extra + m % extra;

@@ -28,7 +28,7 @@ uint64_t roundTo(double x, uint64_t most) {
     return r >= static_cast<double>(most) ? most : static_cast<uint64_t>(r);
 }
 
-// Section 6, decode. Real is the precision of the two estimates; each is off by one step at most.
+// docs/codecs.md 6, decode. Real is the precision of the two estimates; each is off by one step at most.
 template <class U, class Real>
 SimplexPoint pointOf(U n, U count, U value) {
     const U x = count - value;

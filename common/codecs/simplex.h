@@ -1,5 +1,5 @@
-// Optimal Simplex Sampling: the three smaller of four sorted blend weights as the number of a grid point (codecs.md
-// section 6; Kuth, Meyer, "Vertex-Blend Attribute Compression", HPG 2021).
+// Optimal Simplex Sampling: the three smaller of four sorted blend weights as the number of a grid point
+// (docs/codecs.md 6; Kuth, Meyer, "Vertex-Blend Attribute Compression", HPG 2021).
 //
 // The grid point (i, j, k) stands for w4 = k s, w3 = (j + k) s, w2 = (i + j + k) s, w1 = 1 - w2 - w3 - w4. Points are
 // numbered with k outermost, then j, then i.

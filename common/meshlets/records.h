@@ -46,7 +46,7 @@ struct MeshletJoints {
 // Fails when a meshlet has more than kMaxMeshletJoints joints.
 Result<MeshletJoints> packMeshletJoints(const Mesh& mesh, const MeshletMesh& meshlets, int influences);
 
-// The joint lists of the common meshlets, `influences` words each.
+// The joint lists of the common meshlets, `influences` words each (docs/codecs.md 8.4).
 std::vector<uint32_t> packJointLists(const std::vector<JointList>& lists, int influences);
 
 }  // namespace skinbench

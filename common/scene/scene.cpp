@@ -13,7 +13,7 @@
 namespace skinbench {
 namespace {
 
-constexpr double kWeightEpsilon = 1e-7;  // codecs.md calls it BONE_EPS
+constexpr double kWeightEpsilon = 1e-7;  // docs/codecs.md 2
 constexpr uint32_t kUnused = ~0u;        // meshoptimizer's mark for vertices that no index names
 
 template <int N, class T>

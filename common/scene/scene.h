@@ -135,7 +135,7 @@ Result<Scene> loadGltf(const std::string& path);
 // that is not finite, a parent behind its child, key times that do not ascend. Every loader's result passes it.
 Result<void> checkScene(const Scene& scene);
 
-// codecs.md section 2 with K = `keep`. Works in double precision and rounds once at the end.
+// docs/codecs.md 2 with K = `keep`. Works in double precision and rounds once at the end.
 DroppedWeight cleanWeights(Mesh& mesh, int keep);
 
 // Clean-up, then welding or splitting, then cache order; what was dropped is added to `warnings`. The same input

@@ -1,4 +1,4 @@
-// Joint tuples and their lookup table (codecs.md section 3; Kimmersdorfer 2.1.4).
+// Joint tuples and their lookup table (docs/codecs.md 3; Kimmersdorfer 2.1.4).
 //
 // A tuple lists the joints of a vertex in order of descending weight, filled up with kNoJoint ("irrelevant"). All
 // functions take cleaned influences (cleanWeights) and give the same result on every machine.
@@ -46,12 +46,12 @@ Result<void> checkInfluences(const Mesh& mesh, int influences);
 // One entry per distinct joint list. Linear in the vertices.
 TupleTable distinctTuples(const Mesh& mesh, int influences);
 
-// 3.2: drops every tuple that is a proper prefix of another one. Its vertices use the extension that always follows
-// the largest next joint; their weights beyond the prefix are 0.
+// docs/codecs.md 3.2: drops every tuple that is a proper prefix of another one. Its vertices use the extension that
+// always follows the largest next joint; their weights beyond the prefix are 0.
 TupleTable reuseTuples(const TupleTable& distinct);
 
-// 3.3, four influences only. Takes the result of distinctTuples (not of reuseTuples, which would lose what is
-// irrelevant). n log n in the number of tuples.
+// docs/codecs.md 3.3, four influences only. Takes the result of distinctTuples (not of reuseTuples, which would lose
+// what is irrelevant). n log n in the number of tuples.
 MergedTuples mergeTuples(const TupleTable& distinct);
 
 // What the GPU reads: `influences` u16 a tuple. `fill` stands in for kNoJoint.

@@ -1,4 +1,4 @@
-// Meshlet difference encoding counted once more (codecs.md sections 7 and 8.1) from nothing but the codes of the
+// Meshlet difference encoding counted once more (docs/codecs.md 7 and 8.1) from nothing but the codes of the
 // vertices: sorted lists instead of the encoder's chains.
 #pragma once
 

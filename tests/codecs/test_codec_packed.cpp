@@ -113,7 +113,7 @@ TEST_CASE("pinned bytes") {
     const uint32_t code = static_cast<uint32_t>(encodeSimplex(simplexCode16(), {0.52f, 0.31f, 0.13f, 0.04f}));
     check(oss, {{1, 0, 0, 0}, {2, 0, 103, 0}, {0, 0, static_cast<uint8_t>(code), static_cast<uint8_t>(code >> 8)}});
 
-    // pc: (q, x) from section 4.2 by hand.
+    // pc: (q, x) from docs/codecs.md 4.2 by hand.
     // vertex 0: tuple 1, c = 0 0 0, q = 0 1 2, x = 1 (O = 5: m = 5), payload 1*2+1 = 3 -> Q 0, rank 3 = 120
     // vertex 1: tuple 2, c = 0 0 1, q = 0 1 57, m = 115, x = 1, payload 5 -> rank 5 = 210
     // vertex 2: tuple 0, q = 9 25 46, m = 92, x = 0, payload 0 -> rank 0

@@ -1,4 +1,4 @@
-// Every buffer of every codec on the shared models, in bytes, against a recount from codecs.md sections 7 and 8.
+// Every buffer of every codec on the shared models, in bytes, against a recount from docs/codecs.md 7 and 8.
 #include <filesystem>
 #include <set>
 
@@ -20,7 +20,7 @@ uint64_t sizeOf(const Bytes& bytes) { return bytes ? bytes->size() : 0; }
 
 uint64_t padded(uint64_t bytes) { return (bytes + 3) / 4 * 4; }
 
-// Section 3.2: the distinct joint lists that are no proper prefix of another one.
+// docs/codecs.md 3.2: the distinct joint lists that are no proper prefix of another one.
 size_t countTuples(const Mesh& mesh) {
     using List = std::vector<uint16_t>;
     std::set<List> lists;

@@ -1,4 +1,4 @@
-// Checks the reference vectors of codecs.md section 10 row by row, as section 10.3 demands.
+// Checks files of reference vectors row by row: codes exactly, weights as closely as single precision allows.
 #include <bit>
 #include <cmath>
 #include <filesystem>
@@ -60,7 +60,7 @@ std::vector<float> floatsOf(const std::vector<uint32_t>& row, size_t first, size
     return result;
 }
 
-// Section 10.3: decode(encode) within the bounds of 4.5 plus 1e-6; an error of the sum goes into the largest weight.
+// decode(encode) within the bounds of docs/codecs.md 4.5 plus 1e-6; an error of the sum goes into the largest weight.
 void checkWithinBounds(const PermutationCode& code, const std::vector<float>& weights, uint32_t tuple) {
     const auto blend = decodePermutation(code, encodePermutation(code, weights, tuple));
     REQUIRE(blend.has_value());

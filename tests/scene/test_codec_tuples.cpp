@@ -65,7 +65,7 @@ void checkMerged(const Mesh& mesh, const MergedTuples& merged) {
     CHECK(merged.vertexRank.size() == mesh.influences.size());
 }
 
-// Section 3.3 step 2 read literally, with linear searches.
+// docs/codecs.md 3.3 step 2 read literally, with linear searches.
 std::vector<TupleMerge> mergeSlowly(std::vector<JointTuple> entries) {
     std::vector<TupleMerge> merges;
     for (;;) {
