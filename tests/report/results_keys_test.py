@@ -1,0 +1,110 @@
+#!/usr/bin/env python3
+"""Compares docs/results-file.md with files that the program has just made: a key or column that only one of the two
+has is an error, and so is null where the page says never.     usage: results_keys_test.py SKINBENCH PAGE FOLDER"""
+import csv
+import json
+import os
+import re
+import shutil
+import subprocess
+import sys
+
+program, page, folder = sys.argv[1:]
+SMALL = ["--copies", "1", "--frames", "2", "--size", "64x64"]
+RUNS = {  # skipped, prepass and host-skinned cases; pairs and limits
+    "cases": ["--routes", "cpu,vk,vk-ext,vk-nv", "--variants", "vertex,cpu,mesh-ci", "--scenario", "prepass"],
+    "pairs": ["--routes", "cpu,vk-ext", "--variants", "cpu,mesh", "--self-test"],
+}
+
+
+def tables(text):
+    """Per chapter of the page, key -> cell of the column `null` ("" where there is none)."""
+    chapters = {}
+    for chapter in re.split(r"^## ", text, flags=re.M)[1:]:
+        name = chapter.split("\n", 1)[0]
+        found = chapters[name] = {}
+        for part in re.split(r"^### ", chapter, flags=re.M):
+            title = part.split("\n", 1)[0]
+            prefixes = [prefix + "." for prefix in re.findall(r"`([^`]+)`", title)] or [""]
+            rows = [re.split(r" *\| *", row) for row in re.findall(r"^\| (`.*) \|$", part, flags=re.M)]
+            for row in rows:
+                for key in re.findall(r"`([^`]+)`", row[0]):
+                    for prefix in prefixes if part != chapter else [""]:
+                        assert prefix + key not in found, f"{name}: {prefix + key} is there twice"
+                        found[prefix + key] = row[2] if len(row) == 4 else ""
+    return chapters
+
+
+def walk(value, path, keys):
+    """Adds path -> its values; [] stands for every element of a list."""
+    if isinstance(value, dict):
+        for key, inner in value.items():
+            inner_path = f"{path}.{key}" if path else key
+            keys.setdefault(inner_path, []).append(inner)
+            walk(inner, inner_path, keys)
+    elif isinstance(value, list):
+        for inner in value:
+            walk(inner, path + "[]", keys)
+    return keys
+
+
+def parent(path):
+    return path.rpartition(".")[0]
+
+
+def compare(name, described, keys, opaque):
+    """`opaque`: whether what lies below a path is described in words."""
+    parents = {parent(path) for path in keys}
+    faults = [f"{path} is in the file, not on the page" for path in keys
+              if path not in described and not any(opaque(up) for up in ancestors(path))]
+    # Below an object that is null, or a list that is empty, in every file there is nothing to compare with.
+    faults += [f"{path} is on the page, not in the file" for path in described
+               if path not in keys and parent(path) in parents]
+    faults += [f"{path} is null, and the page says never" for path, null in described.items()
+               if null == "never" and None in keys.get(path, [])]
+    assert not faults, f"{name}: " + "; ".join(faults)
+    return sum(path in keys for path in described)
+
+
+def ancestors(path):
+    while path := parent(path):
+        yield path
+
+
+def run(*arguments):
+    return subprocess.run([program, *arguments], check=True, capture_output=True, text=True).stdout
+
+
+shutil.rmtree(folder, ignore_errors=True)
+os.makedirs(folder)
+os.chdir(folder)
+with open(page) as file:
+    chapters = tables(file.read())
+
+keys = {}
+for name, selectors in RUNS.items():
+    subprocess.run([program, "bench", "builtin:robot:2000", *selectors, *SMALL, "--out", name],
+                   stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)  # status 1: pairs may differ by chance
+    with open(f"{name}/results.json") as file:
+        walk(json.load(file), "", keys)
+results = chapters["results.json"]
+count = compare("results.json", results, keys, lambda path: path == "cases[].options")
+assert count > 150, f"only {count} keys were compared"
+
+with open("cases/results.csv") as file:
+    header = next(csv.reader(file))
+columns = chapters["results.csv"]
+assert sorted(header) == sorted(columns), f"results.csv: {set(header) ^ set(columns)}"
+
+of_device = {path: null for path, null in results.items()
+             if path.startswith("devices[].") and not path.startswith("devices[].peak")}
+of_scene = {path: null for path, null in results.items() if path.startswith("scene.")}
+for name, arguments, more in (("probe", [], of_device),
+                              ("inspect", ["builtin:robot:2000"], of_scene),
+                              ("partition", ["builtin:robot:2000", "--hardware", "generic"], {}),
+                              ("compare", ["cases/results.json", "cases/results.json"], {})):
+    described = chapters[f"{name} --json"] | more
+    listed = {parent(path) for path in described}
+    found = walk(json.loads(run(name, *arguments, "--json")), "", {})
+    count += compare(name, described, found, lambda path: path not in listed and path + "[]" not in listed)
+print(f"{count} keys and {len(header)} columns, as {os.path.basename(page)} says")
