@@ -86,14 +86,21 @@ for name, selectors in RUNS.items():
     subprocess.run([program, "bench", "builtin:robot:2000", *selectors, *SMALL, "--out", name],
                    stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)  # status 1: pairs may differ by chance
     with open(f"{name}/results.json") as file:
-        walk(json.load(file), "", keys)
+        written = json.load(file)
+    walk(written, "", keys)
 results = chapters["results.json"]
 count = compare("results.json", results, keys, lambda path: path == "cases[].options")
 assert count > 150, f"only {count} keys were compared"
 
+axes = [axis["name"] for axis in written["axes"]]
+inner = {axis["name"] for axis in written["axes"] if not axis["top_level"]} | {"meshlet_vertices", "meshlet_triangles"}
+unknown = {path.rpartition(".")[2] for path in keys if parent(path) == "cases[].options"} - inner
+missing = {axis["name"] for axis in written["axes"] if axis["top_level"] and "cases[]." + axis["name"] not in keys}
+assert not unknown and not missing, f"no rows of axes: {unknown}; no keys of a case: {missing}"
+
 with open("cases/results.csv") as file:
     header = next(csv.reader(file))
-columns = chapters["results.csv"]
+columns = [*chapters["results.csv"], *axes]
 assert sorted(header) == sorted(columns), f"results.csv: {set(header) ^ set(columns)}"
 
 of_device = {path: null for path, null in results.items()
