@@ -1,12 +1,11 @@
-// `compute`: a compute pass skins every vertex of a copy into a buffer, 64 to a work group, and a plain vertex stage
-// draws it (Turanszki). The variant `cpu` draws the same way what the CPU has skinned.
+// `compute`: a compute pass skins every vertex of a copy into a buffer, and a plain vertex stage draws it (Turanszki).
+// The variant `cpu` draws the same way what the CPU has skinned.
 #if STAGE_COMPUTE
 #include CODEC_FILE
 #include "skin.glsl"
 #include "skinned.glsl"
 
-#define GROUP_VERTICES 64
-layout(local_size_x = GROUP_VERTICES) in;
+layout(local_size_x = COMPUTE_GROUP) in;
 
 #if SKINNED_TANGENT
 layout(std430, binding = SLOT_TANGENT) readonly restrict buffer TangentBlock { vec4 tangents[]; };
@@ -16,7 +15,7 @@ layout(std430, binding = SLOT_TANGENT) readonly restrict buffer TangentBlock { v
 void stagePalette(uint copyNumber) {
 #if STAGED_JOINTS
     uint first = FIRST_JOINT(copyNumber) * 3u;
-    for (uint row = gl_LocalInvocationID.x; row < uint(STAGED_JOINTS * 3); row += uint(GROUP_VERTICES))
+    for (uint row = gl_LocalInvocationID.x; row < uint(STAGED_JOINTS * 3); row += uint(COMPUTE_GROUP))
         stagedRows[row] = paletteRows[first + row];
     memoryBarrierShared();
     barrier();
@@ -53,7 +52,7 @@ Blend blendUntilWhole(Vertex vertex, uint copyNumber) {
 }
 
 void main() {
-    uint i = gl_GlobalInvocationID.x + drawConstants.y * uint(GROUP_VERTICES);
+    uint i = gl_GlobalInvocationID.x + drawConstants.y * uint(COMPUTE_GROUP);
 #if BATCHED
     if (i >= uint(VERTEX_COUNT) * uint(COPY_COUNT)) return;
     uint copyNumber = i / uint(VERTEX_COUNT);

@@ -3,13 +3,13 @@
 #include "shared.h"
 #include "platform.glsl"
 
-layout(local_size_x = 256) in;
+layout(local_size_x = COPY_GROUP) in;
 
 layout(std430, binding = SLOT_VERTEX) readonly restrict buffer FromBlock { uvec4 source[]; };
 layout(std430, binding = SLOT_SKINNED) writeonly restrict buffer ToBlock { uvec4 target[]; };
 
 void main() {
-    uint i = gl_GlobalInvocationID.x + drawConstants.y * 256u;
+    uint i = gl_GlobalInvocationID.x + drawConstants.y * uint(COPY_GROUP);
     target[i] = source[i];
 }
 #endif

@@ -1,30 +1,39 @@
-// Read by C++ and by GLSL: binding slots and the structs that cross between them. Slots are unique over all kinds of
-// buffers, because OpenGL and Vulkan number them differently but agree as long as no number is used twice.
+// Read by C++ and by GLSL: binding slots, numbers and structs that cross between them. Slots are unique over all kinds
+// of buffers, because OpenGL and Vulkan number them differently but agree as long as no number is used twice.
 #ifndef SKINBENCH_SHARED_H
 #define SKINBENCH_SHARED_H
 
 // Uniform block.
 #define SLOT_FRAME 0  // FrameConstants
 
-// Storage blocks: eight, the number that OpenGL 4.5 guarantees a stage that has any.
+// Storage blocks. No stage has more than eight, the number that OpenGL 4.5 guarantees a stage that has any: those that
+// draw meshlets have no tangents.
 #define SLOT_PALETTE 1  // 3 rows (vec4) a joint, joint after joint, copy after copy
 #define SLOT_VERTEX 2   // encoded vertices of one codec, copy after copy
 #define SLOT_MESHLET 3  // meshlet descriptors
-#define SLOT_TANGENT \
-    3                         // the same number for the variant compute, which has no meshlets: a unit tangent a vertex
-                              // (vec4, w: 1 or -1, the side of the bitangent)
 #define SLOT_MESHLET_DATA 4   // vertex ids and packed local indices
 #define SLOT_MESHLET_EXTRA 5  // what a codec or builder adds per meshlet
 #define SLOT_TUPLE 6          // joint tuples
 #define SLOT_SKINNED 7        // SkinnedVertex, written by one pass and read by the next
 #define SLOT_CAPTURE 8        // SkinnedVertex, written by verifying plans only
+#define SLOT_TANGENT 9        // a unit tangent for each vertex (vec4, w: 1 or -1, the side of the bitangent)
 
 // Not a block of any stage.
-#define SLOT_INDEX 9  // 32-bit index buffer
+#define SLOT_INDEX 10  // 32-bit index buffer
 
-#define SLOT_COUNT 10
+#define SLOT_COUNT 11
 
-// Values of the defines CULL and JOINTS: what the enums Cull and JointSource of common/plans/variant.h count.
+// Invocations of a work group.
+#define COMPUTE_GROUP 64  // compute.glsl, a vertex each
+#define COPY_GROUP 256    // copy.glsl, 16 bytes each
+
+// Values of the defines VIEW, CULL and JOINTS, and of the enums View, Cull and JointSource of common/plans/case.h.
+#define VIEW_SHADED 0
+#define VIEW_MESHLETS 1
+#define VIEW_WEIGHTS 2
+#define VIEW_TUPLES 3
+#define VIEW_VELOCITY 4
+#define VIEW_RESOLUTION 5
 #define CULL_OFF 0
 #define CULL_COMPACT 1
 #define CULL_PRIMITIVE 2

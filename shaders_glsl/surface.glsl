@@ -1,11 +1,6 @@
 // Between the geometry stage and the pixel: what crosses it (lean: a normal and a uv) and how it is shaded.
 // Views replace the shading by a colour that the geometry stage chooses per vertex.
-#define VIEW_SHADED 0
-#define VIEW_MESHLETS 1
-#define VIEW_WEIGHTS 2
-#define VIEW_TUPLES 3
-#define VIEW_VELOCITY 4
-#define VIEW_RESOLUTION 5
+#include "shared.h"
 
 // A colour that tells neighbours apart: hue from the golden ratio, brightness in three steps.
 vec3 labelColor(uint label) {

@@ -4,14 +4,14 @@
 
 namespace skinbench {
 
-constexpr uint32_t kGroup = 256;  // invocations, 16 bytes each
+constexpr uint32_t kGroupBytes = COPY_GROUP * 16;
 constexpr uint32_t kMostGroups = 32768;
 constexpr size_t kFrames = 8;
 
 Result<double> measureCopyBandwidth(Backend& backend, const ShaderLibrary& shaders) {
     const DeviceCaps& caps = backend.caps();
     const uint64_t wanted = caps.software ? uint64_t{16} << 20 : uint64_t{256} << 20;
-    const uint64_t bytes = std::min(wanted, caps.maxStorageBytes / (kGroup * 16) * (kGroup * 16));
+    const uint64_t bytes = std::min(wanted, caps.maxStorageBytes / kGroupBytes * kGroupBytes);
     Result<ShaderText> text =
         shaderText(shaders, {"copy.glsl", Stage::compute, caps.api, MeshDialect::none, false, {}});
     SKINBENCH_TRY(text);
@@ -20,7 +20,7 @@ Result<double> measureCopyBandwidth(Backend& backend, const ShaderLibrary& shade
     plan.programs.push_back({.label = "copy", .stages = {std::move(*text)}});
     plan.streams = {{.slot = SLOT_VERTEX, .gpuBytes = bytes}, {.slot = SLOT_SKINNED, .gpuBytes = bytes}};
     Pass pass{.label = "copy", .kind = PassKind::dispatch};
-    const auto groups = static_cast<uint32_t>(bytes / (kGroup * 16));
+    const auto groups = static_cast<uint32_t>(bytes / kGroupBytes);
     const uint32_t most = std::clamp(caps.maxComputeGroupCount, 1u, kMostGroups);
     for (uint32_t first = 0; first < groups; first += most)
         pass.draws.push_back({.count = std::min(most, groups - first), .constants = {0, first, 0, 0}});

@@ -28,10 +28,17 @@ const Route* findRoute(const std::string& name);
 
 enum class VertexFetch { attributes, pull };
 enum class Submission { perCopy, batched };
-enum class View { shaded, meshlets, weights, tuples, velocity, resolution };
+enum class View {
+    shaded = VIEW_SHADED,
+    meshlets = VIEW_MESHLETS,
+    weights = VIEW_WEIGHTS,
+    tuples = VIEW_TUPLES,
+    velocity = VIEW_VELOCITY,
+    resolution = VIEW_RESOLUTION
+};
 
 // Back-face culling in the mesh stage; shaders_glsl/cull.glsl says how each works.
-enum class Cull { off, compact, primitive, torabi };
+enum class Cull { off = CULL_OFF, compact = CULL_COMPACT, primitive = CULL_PRIMITIVE, torabi = CULL_TORABI };
 
 // How the lanes of a culling mesh work group see each other's positions. automatic: by shuffles where the device's
 // subgroup is the work group, else through shared memory.
@@ -46,7 +53,7 @@ enum class Scenario { direct, prepass };
 // vertex:  each vertex has joint ids.
 // meshlet: the meshlet lists its joints, each vertex has one-byte numbers into that list.
 // staged:  so too, and the work group first copies the listed palette rows to shared memory.
-enum class JointSource { vertex, meshlet, staged };
+enum class JointSource { vertex = JOINTS_VERTEX, meshlet = JOINTS_MESHLET, staged = JOINTS_STAGED };
 
 // Shapes of one mesh shader that compute the same; which is fastest depends on the device.
 struct MeshShape {

@@ -8,8 +8,6 @@
 namespace skinbench {
 namespace {
 
-constexpr uint32_t kGroupVertices = 64;
-
 // A row a vertex as the case stores them.
 Bytes tangentBytes(const PlanInput& input) {
     const std::vector<glm::vec4> tangents = vertexTangents(input.scene->mesh);
@@ -44,7 +42,7 @@ Result<FramePlan> planCompute(const Case& c, const PlanInput& input, const Devic
     skin.label = "skin";
     skin.kind = PassKind::dispatch;
     const uint64_t vertices = input.encoded->vertexCount;
-    auto groups = [](uint64_t count) { return static_cast<uint32_t>((count + kGroupVertices - 1) / kGroupVertices); };
+    auto groups = [](uint64_t count) { return static_cast<uint32_t>((count + COMPUTE_GROUP - 1) / COMPUTE_GROUP); };
     addGroupDraws(skin, c, input, groups(vertices), groups(vertices * input.copies),
                   std::max(1u, std::min(caps.maxComputeGroupCount, 65535u)));
     plan.passes.push_back(std::move(skin));

@@ -72,14 +72,13 @@ MemoryBytes memoryOfOneCopy(const FramePlan& plan, uint32_t copies) {
             stream.bytes ? uint64_t{stream.bytes->size()} * stream.replicas / copies : stream.gpuBytes / copies;
         switch (stream.slot) {
             case SLOT_VERTEX:
+            case SLOT_TANGENT:
                 memory.vertex += bytes;
                 break;
             case SLOT_INDEX:
                 memory.index += bytes;
                 break;
             case SLOT_MESHLET:
-                (plan.dialect == MeshDialect::none ? memory.vertex : memory.meshlet) += bytes;  // or SLOT_TANGENT
-                break;
             case SLOT_MESHLET_DATA:
                 memory.meshlet += bytes;
                 break;
