@@ -44,19 +44,19 @@ private:
     Result<void> enter();
     Result<void> checkLost();
     Result<void> waitForDevice(uint64_t frames);
-    Result<GlPlan*> findPlan(PlanId id);
+    Result<GlPlan*> enterWith(PlanId id);
     void dropUnusedTargets();
 
     Result<void> reserve(FrameBuffer& frame, uint64_t bytes, GLuint alignment, size_t frames, const GlPlan& plan);
     Result<void> uploadFrames(const GlPlan& plan, std::span<const FrameInput> frames);
     void bindStreams(const GlPlan& plan);
     void bindFrame(const GlPlan& plan, size_t frame);
-    double uploadSkinned(const GlStream& stream, const FrameInput& input);
+    double uploadSkinned(const GlBuffer& stream, const FrameInput& input);
     void recordFrame(const GlPlan& plan, size_t frame, bool timed);
     void recordOverlapped(const GlPlan& plan, size_t frame, bool timed);
+    void countFrame(const GlPlan& plan, size_t frame, Timing& timing);
     Clock::duration recordBatch(const GlPlan& plan, std::span<const FrameInput> frames, RunMode mode,
                                 std::vector<Timing>& timings);
-    Result<void> countFrames(const GlPlan& plan, std::vector<Timing>& timings);
     void drawMesh(const GlPlan& plan, const LinkedProgram& program, uint32_t groups);
     void issueDraws(const GlPlan& plan, const Pass& pass, size_t frame);
     void beginPass(const GlPlan& plan, const Pass& pass, bool clear);
@@ -106,7 +106,7 @@ GlBackend::~GlBackend() {
 
 Result<void> GlBackend::enter() {
     if (!lost_.empty()) return deviceError(lost_);
-    if (auto current = context_->makeCurrent(); !current) return current;
+    SKINBENCH_TRY(context_->makeCurrent());
     dropGlErrors();
     return {};
 }
@@ -122,27 +122,32 @@ Result<void> GlBackend::waitForDevice(uint64_t frames) {
     GLsync fence = glFenceSync(GL_SYNC_GPU_COMMANDS_COMPLETE, 0);
     GLenum status = glClientWaitSync(fence, GL_SYNC_FLUSH_COMMANDS_BIT, seconds * 1'000'000'000);
     glDeleteSync(fence);
-    if (auto checked = checkLost(); !checked) return checked;
+    SKINBENCH_TRY(checkLost());
     if (status == GL_ALREADY_SIGNALED || status == GL_CONDITION_SATISFIED) return {};
     lost_ = std::format("OpenGL: device {} did not finish {} frames in {} seconds; start again with fewer copies",
                         caps().name, frames, seconds);
     return deviceError(lost_);
 }
 
-Result<GlPlan*> GlBackend::findPlan(PlanId id) {
+Result<GlPlan*> GlBackend::enterWith(PlanId id) {
+    SKINBENCH_TRY(enter());
     auto found = plans_.find(id);
-    if (found == plans_.end()) return inputError(std::format("OpenGL: there is no plan {}; prepare it first", id));
+    if (found == plans_.end()) return unknownPlan(id);
     return &found->second;
 }
 
 Result<PlanId> GlBackend::prepare(const FramePlan& plan) {
     SKINBENCH_TRY(enter());
     SKINBENCH_TRY(checkPlan(plan, caps()));
+    for (const Stream& stream : plan.streams)
+        if ((stream.use & useStorage) && stream.slot >= storageBindings_)
+            return deviceError(std::format("{}: slot {} needs more than the {} storage bindings of {}", plan.label,
+                                           stream.slot, storageBindings_, caps().name));
     auto made = makeGlPlan(plan, programs_, staging_);
     SKINBENCH_TRY(checkLost());
     SKINBENCH_TRY(made);
     std::pair size{plan.width, plan.height};
-    if (made->draws && !targets_.contains(size)) {
+    if (drawsImage(plan) && !targets_.contains(size)) {
         auto targets = makeTargets(plan.width, plan.height);
         SKINBENCH_TRY(targets);
         targets_.emplace(size, std::move(*targets));
@@ -160,8 +165,8 @@ void GlBackend::release(PlanId id) {
 void GlBackend::dropUnusedTargets() {
     std::erase_if(targets_, [&](const auto& entry) {
         return std::ranges::none_of(plans_, [&](const auto& other) {
-            const GlPlan& plan = other.second;
-            return plan.draws && std::pair{plan.width, plan.height} == entry.first;
+            const FramePlan& plan = other.second.shape;
+            return drawsImage(plan) && std::pair{plan.width, plan.height} == entry.first;
         });
     });
 }
@@ -173,7 +178,7 @@ Result<void> GlBackend::reserve(FrameBuffer& frame, uint64_t bytes, GLuint align
     if (needed <= frame.capacity) return {};
     frame.buffer = {};
     frame.capacity = 0;
-    auto buffer = makeBuffer(needed, std::format("{}: a batch of {} frames", plan.label, frames));
+    auto buffer = makeBuffer(needed, std::format("{}: a batch of {} frames", plan.shape.label, frames));
     SKINBENCH_TRY(buffer);
     frame.buffer = std::move(*buffer);
     frame.capacity = needed;
@@ -181,11 +186,8 @@ Result<void> GlBackend::reserve(FrameBuffer& frame, uint64_t bytes, GLuint align
 }
 
 Result<void> GlBackend::uploadFrames(const GlPlan& plan, std::span<const FrameInput> frames) {
-    if (auto made = reserve(constants_, sizeof(FrameConstants), constantsAlignment_, frames.size(), plan); !made)
-        return made;
-    // A range may reach past the last palette of a frame, but not past the buffer.
-    const uint64_t bytes = std::max<uint64_t>(plan.paletteBytes, plan.paletteRange);
-    if (auto made = reserve(palettes_, bytes, paletteAlignment_, frames.size(), plan); !made) return made;
+    SKINBENCH_TRY(reserve(constants_, sizeof(FrameConstants), constantsAlignment_, frames.size(), plan));
+    SKINBENCH_TRY(reserve(palettes_, plan.shape.paletteBytes, paletteAlignment_, frames.size(), plan));
     for (size_t i = 0; i < frames.size(); ++i) {
         staging_.write(constants_.buffer, i * constants_.stride, std::as_bytes(std::span(&frames[i].constants, 1)));
         staging_.write(palettes_.buffer, i * palettes_.stride, frames[i].palette);
@@ -197,9 +199,10 @@ Result<void> GlBackend::uploadFrames(const GlPlan& plan, std::span<const FrameIn
 // All slots at once, so that nothing of an earlier plan stays bound.
 void GlBackend::bindStreams(const GlPlan& plan) {
     std::array<GLuint, SLOT_COUNT> storage{}, uniform{};
-    for (const GlStream& stream : plan.streams) {
-        if (stream.use & useStorage) storage[stream.slot] = stream.buffer.id();
-        if (stream.use & useUniform) uniform[stream.slot] = stream.buffer.id();
+    for (size_t i = 0; i < plan.streams.size(); ++i) {
+        const Stream& stream = plan.shape.streams[i];
+        if (stream.use & useStorage) storage[stream.slot] = plan.streams[i].id();
+        if (stream.use & useUniform) uniform[stream.slot] = plan.streams[i].id();
     }
     auto count = static_cast<GLsizei>(std::min<GLuint>(SLOT_COUNT, storageBindings_));
     glBindBuffersBase(GL_SHADER_STORAGE_BUFFER, 0, count, storage.data());
@@ -209,15 +212,16 @@ void GlBackend::bindStreams(const GlPlan& plan) {
 void GlBackend::bindFrame(const GlPlan& plan, size_t frame) {
     glBindBufferRange(GL_UNIFORM_BUFFER, SLOT_FRAME, constants_.buffer.id(),
                       static_cast<GLintptr>(frame * constants_.stride), sizeof(FrameConstants));
-    if (plan.paletteBytes > 0 && plan.paletteRange == 0)
+    if (plan.shape.paletteBytes > 0 && plan.shape.paletteRange == 0)
         glBindBufferRange(GL_SHADER_STORAGE_BUFFER, SLOT_PALETTE, palettes_.buffer.id(),
-                          static_cast<GLintptr>(frame * palettes_.stride), static_cast<GLsizeiptr>(plan.paletteBytes));
+                          static_cast<GLintptr>(frame * palettes_.stride),
+                          static_cast<GLsizeiptr>(plan.shape.paletteBytes));
 }
 
-double GlBackend::uploadSkinned(const GlStream& stream, const FrameInput& input) {
+double GlBackend::uploadSkinned(const GlBuffer& stream, const FrameInput& input) {
     staging_.finish();  // the frame before this one is not part of the copy's time
     auto start = Clock::now();
-    staging_.write(stream.buffer, 0, input.skinned);
+    staging_.write(stream, 0, input.skinned);
     staging_.finish();
     return milliseconds(Clock::now() - start);
 }
@@ -243,7 +247,7 @@ void clearTargets(GLuint framebuffer) {
 }
 
 void GlBackend::drawMesh(const GlPlan& plan, const LinkedProgram& program, uint32_t groups) {
-    if (plan.dialect == MeshDialect::nv) {
+    if (plan.shape.dialect == MeshDialect::nv) {
         glDrawMeshTasksNV(0, groups);
         return;
     }
@@ -258,9 +262,10 @@ void GlBackend::drawMesh(const GlPlan& plan, const LinkedProgram& program, uint3
 void GlBackend::issueDraws(const GlPlan& plan, const Pass& pass, size_t frame) {
     const LinkedProgram& program = plan.programs[pass.program].linked;
     for (const Draw& draw : pass.draws) {
-        if (plan.paletteRange)
+        if (plan.shape.paletteRange)
             glBindBufferRange(GL_UNIFORM_BUFFER, SLOT_PALETTE, palettes_.buffer.id(),
-                              static_cast<GLintptr>(frame * palettes_.stride + draw.paletteOffset), plan.paletteRange);
+                              static_cast<GLintptr>(frame * palettes_.stride + draw.paletteOffset),
+                              plan.shape.paletteRange);
         if (program.constants >= 0) glUniform4uiv(program.constants, 1, draw.constants.data());
         switch (pass.kind) {
             case PassKind::dispatch:
@@ -281,9 +286,9 @@ void GlBackend::issueDraws(const GlPlan& plan, const Pass& pass, size_t frame) {
 void GlBackend::beginPass(const GlPlan& plan, const Pass& pass, bool clear) {
     const GlProgram& program = plan.programs[pass.program];
     if (pass.kind != PassKind::dispatch) {
-        GLuint framebuffer = targets_.at({plan.width, plan.height}).framebuffer.id();
+        GLuint framebuffer = targets_.at({plan.shape.width, plan.shape.height}).framebuffer.id();
         glBindFramebuffer(GL_FRAMEBUFFER, framebuffer);
-        glViewport(0, 0, static_cast<GLsizei>(plan.width), static_cast<GLsizei>(plan.height));
+        glViewport(0, 0, static_cast<GLsizei>(plan.shape.width), static_cast<GLsizei>(plan.shape.height));
         if (clear) clearTargets(framebuffer);
         applyRaster(pass);
         glBindVertexArray(program.vertexArray.id());
@@ -315,46 +320,42 @@ void GlBackend::recordPass(const GlPlan& plan, const Pass& pass, size_t frame, c
 
 void GlBackend::recordFrame(const GlPlan& plan, size_t frame, bool timed) {
     bindFrame(plan, frame);
-    for (size_t i = 0; i < plan.passes.size(); ++i) {
-        const GLuint* queries = timed ? &queries_[(frame * plan.passes.size() + i) * 2] : nullptr;
-        recordPass(plan, plan.passes[i], frame, queries);
+    for (size_t i = 0; i < plan.shape.passes.size(); ++i) {
+        const GLuint* queries = timed ? &queries_[(frame * plan.shape.passes.size() + i) * 2] : nullptr;
+        recordPass(plan, plan.shape.passes[i], frame, queries);
     }
 }
 
 void GlBackend::recordOverlapped(const GlPlan& plan, size_t frame, bool timed) {
     bindFrame(plan, frame);
     const GLuint* queries = timed ? &queries_[frame * 2] : nullptr;
-    for (const Pass& pass : plan.passes)
+    for (const Pass& pass : plan.shape.passes)
         if (pass.kind != PassKind::dispatch && pass.clear) {
             beginPass(plan, pass, true);
             break;
         }
     glMemoryBarrier(GL_ALL_BARRIER_BITS);
     if (queries) timestamp(queries[0]);
-    for (size_t i = 0; i < plan.passes.size(); ++i) {
+    for (size_t i = 0; i < plan.shape.passes.size(); ++i) {
         if (i > 0) glMemoryBarrier(GL_VERTEX_ATTRIB_ARRAY_BARRIER_BIT | GL_SHADER_STORAGE_BARRIER_BIT);
-        beginPass(plan, plan.passes[i], false);
-        issueDraws(plan, plan.passes[i], frame);
+        beginPass(plan, plan.shape.passes[i], false);
+        issueDraws(plan, plan.shape.passes[i], frame);
     }
     if (queries) timestamp(queries[1]);
     glMemoryBarrier(GL_ALL_BARRIER_BITS);
 }
 
-Result<void> GlBackend::countFrames(const GlPlan& plan, std::vector<Timing>& timings) {
+void GlBackend::countFrame(const GlPlan& plan, size_t frame, Timing& timing) {
     const GlCounterQueries queries;
-    for (size_t frame = 0; frame < timings.size(); ++frame) {
-        bindFrame(plan, frame);
-        for (const Pass& pass : plan.passes)
-            if (pass.kind != PassKind::dispatch && pass.clear) beginPass(plan, pass, true);
+    timing.counters.emplace();
+    bindFrame(plan, frame);
+    for (const Pass& pass : plan.shape.passes) {
+        beginPass(plan, pass, pass.clear);
+        glMemoryBarrier(GL_ALL_BARRIER_BITS);
         queries.begin();
-        for (const Pass& pass : plan.passes) {
-            beginPass(plan, pass, false);
-            glMemoryBarrier(GL_ALL_BARRIER_BITS);
-            issueDraws(plan, pass, frame);
-        }
-        timings[frame].counters = queries.end(plan);
+        issueDraws(plan, pass, frame);
+        queries.end(pass.kind, *timing.counters);
     }
-    return checkGl(plan.label, plan.bytes);
 }
 
 void GlBackend::needQueries(size_t count) {
@@ -369,7 +370,7 @@ void GlBackend::readTimes(size_t pairs, std::vector<Timing>& timings) {
     uint64_t mask = bits >= 64 ? UINT64_MAX : (uint64_t{1} << bits) - 1;
     for (size_t frame = 0; frame < timings.size(); ++frame) {
         timings[frame].passes.assign(pairs, 0.0);
-        for (size_t i = 0; i < pairs && bits > 0; ++i) {
+        for (size_t i = 0; i < pairs; ++i) {
             const GLuint* queries = &queries_[(frame * pairs + i) * 2];
             GLuint64 begin = 0, end = 0;
             glGetQueryObjectui64v(queries[0], GL_QUERY_RESULT, &begin);
@@ -379,72 +380,56 @@ void GlBackend::readTimes(size_t pairs, std::vector<Timing>& timings) {
     }
 }
 
-Result<void> checkFrames(const GlPlan& plan, std::span<const FrameInput> frames) {
-    const GlStream* written = plan.hostWritten();
-    for (size_t i = 0; i < frames.size(); ++i) {
-        if (frames[i].palette.size() != plan.paletteBytes)
-            return inputError(std::format("{}: frame {} has {} bytes of palettes; the plan needs {}", plan.label, i,
-                                          frames[i].palette.size(), plan.paletteBytes));
-        uint64_t skinned = written ? written->bytes : 0;
-        if (frames[i].skinned.size() != skinned)
-            return inputError(std::format("{}: frame {} has {} bytes of skinned vertices; the plan needs {}",
-                                          plan.label, i, frames[i].skinned.size(), skinned));
-    }
-    return {};
-}
-
 // OpenGL begins to execute while the host still records, so that the first frame's dispatches would wait for the host
 // (3 % longer on an H200). A device therefore gets that frame once more in front, without timestamps, and is busy with
 // it until the timed ones are recorded. Where the host writes vertices between frames there is no such queue.
 Clock::duration GlBackend::recordBatch(const GlPlan& plan, std::span<const FrameInput> frames, RunMode mode,
                                        std::vector<Timing>& timings) {
-    const GlStream* written = plan.hostWritten();
+    const Stream* written = hostWrittenStream(plan.shape);
     auto record = [&](size_t frame, bool timed) {
         if (mode == RunMode::overlap)
             recordOverlapped(plan, frame, timed);
         else
             recordFrame(plan, frame, timed);
     };
-    const bool timed = caps().timestampBits > 0;
-    if (timed && !written && !caps().software) record(0, false);
+    if (mode != RunMode::counted && !written && !caps().software) record(0, false);
     Clock::duration spent{};
     for (size_t i = 0; i < frames.size(); ++i) {
-        if (written) timings[i].upload = uploadSkinned(*written, frames[i]);
+        if (written) {
+            const GlBuffer& stream = plan.streams[static_cast<size_t>(written - plan.shape.streams.data())];
+            timings[i].upload = uploadSkinned(stream, frames[i]);
+        }
         auto start = Clock::now();
-        record(i, timed);
+        if (mode == RunMode::counted)
+            countFrame(plan, i, timings[i]);
+        else
+            record(i, true);
         spent += Clock::now() - start;
     }
     return spent;
 }
 
 Result<std::vector<Timing>> GlBackend::run(PlanId id, std::span<const FrameInput> frames, RunMode mode) {
-    SKINBENCH_TRY(enter());
-    auto found = findPlan(id);
+    auto found = enterWith(id);
     SKINBENCH_TRY(found);
     const GlPlan& plan = **found;
-    SKINBENCH_TRY(checkFrames(plan, frames));
-    if (frames.empty()) return std::vector<Timing>{};
+    SKINBENCH_TRY(checkFrames(plan.shape, frames));
+    std::vector<Timing> timings(frames.size());
+    const bool counted = mode == RunMode::counted;
+    if (frames.empty() || (counted && !caps().pipelineStatistics)) return timings;
     SKINBENCH_TRY(uploadFrames(plan, frames));
 
-    GlTargets* targets = plan.draws ? &targets_.at({plan.width, plan.height}) : nullptr;
+    GlTargets* targets = drawsImage(plan.shape) ? &targets_.at({plan.shape.width, plan.shape.height}) : nullptr;
     if (targets) targets->renderedBy = 0;
     bindStreams(plan);
-    std::vector<Timing> timings(frames.size());
-    const GlStream* written = plan.hostWritten();
-    if (mode == RunMode::counted) {
-        if (written) uploadSkinned(*written, frames.back());
-        if (caps().pipelineStatistics) SKINBENCH_TRY(countFrames(plan, timings));
-        return timings;
-    }
-    const size_t pairs = mode == RunMode::overlap ? 1 : plan.passes.size();
-    needQueries(caps().timestampBits ? frames.size() * pairs * 2 : 0);
+    const size_t pairs = counted ? 0 : mode == RunMode::overlap ? 1 : plan.shape.passes.size();
+    needQueries(frames.size() * pairs * 2);
     const Clock::duration record = recordBatch(plan, frames, mode, timings);
     auto start = Clock::now();
     glFlush();
     auto submit = Clock::now() - start;
     SKINBENCH_TRY(waitForDevice(frames.size()));
-    SKINBENCH_TRY(checkGl(plan.label, plan.bytes));
-
+    SKINBENCH_TRY(checkGl(plan.shape.label, planBytes(plan.shape)));
     readTimes(pairs, timings);
     for (Timing& timing : timings) {
         timing.record = milliseconds(record) / static_cast<double>(frames.size());
@@ -455,17 +440,14 @@ Result<std::vector<Timing>> GlBackend::run(PlanId id, std::span<const FrameInput
 }
 
 Result<Image> GlBackend::readImage(PlanId id) {
-    SKINBENCH_TRY(enter());
-    auto found = findPlan(id);
+    auto found = enterWith(id);
     SKINBENCH_TRY(found);
-    const GlPlan& plan = **found;
-    if (!plan.draws) return inputError(plan.label + ": the plan draws no image");
-    const GlTargets& targets = targets_.at({plan.width, plan.height});
-    if (targets.renderedBy != id)
-        return inputError(plan.label + ": the plan was not the last to render an image of its size; run it again");
+    const FramePlan& plan = (*found)->shape;
+    auto targets = targets_.find({plan.width, plan.height});
+    SKINBENCH_TRY(checkImage(plan, id, targets == targets_.end() ? 0 : targets->second.renderedBy));
     Image image{plan.width, plan.height, {}};
     image.rgba.resize(size_t{4} * plan.width * plan.height);
-    glGetTextureImage(targets.color.id(), 0, GL_RGBA, GL_UNSIGNED_BYTE, static_cast<GLsizei>(image.rgba.size()),
+    glGetTextureImage(targets->second.color.id(), 0, GL_RGBA, GL_UNSIGNED_BYTE, static_cast<GLsizei>(image.rgba.size()),
                       image.rgba.data());
     SKINBENCH_TRY(checkLost());
     SKINBENCH_TRY(checkGl(plan.label, image.rgba.size()));
@@ -473,16 +455,15 @@ Result<Image> GlBackend::readImage(PlanId id) {
 }
 
 Result<std::vector<std::byte>> GlBackend::readStream(PlanId id, uint32_t slot) {
-    SKINBENCH_TRY(enter());
-    auto found = findPlan(id);
+    auto found = enterWith(id);
     SKINBENCH_TRY(found);
-    const GlPlan& plan = **found;
-    auto stream = std::ranges::find(plan.streams, slot, &GlStream::slot);
-    if (stream == plan.streams.end()) return inputError(std::format("{}: there is no stream {}", plan.label, slot));
-    std::vector<std::byte> bytes(stream->bytes);
-    staging_.read(stream->buffer, bytes);
+    const FramePlan& plan = (*found)->shape;
+    auto number = streamOfSlot(plan, slot);
+    SKINBENCH_TRY(number);
+    std::vector<std::byte> bytes(streamBytes(plan.streams[*number]));
+    staging_.read((*found)->streams[*number], bytes);
     SKINBENCH_TRY(checkLost());
-    SKINBENCH_TRY(checkGl(plan.label, stream->bytes));
+    SKINBENCH_TRY(checkGl(plan.label, bytes.size()));
     return bytes;
 }
 
@@ -505,7 +486,7 @@ Result<std::unique_ptr<Backend>> openGl(const BackendOptions& options) {
     std::vector<DeviceCaps> devices;
     for (const auto& context : contexts->list) devices.push_back(context->caps);
     auto picked = pickDevice(devices, options.device);
-    if (!picked) return std::unexpected(Error{picked.error().fault, "OpenGL: " + picked.error().text});
+    if (!picked) return errorAt("OpenGL", picked.error());
     std::unique_ptr<Context> context = std::move(contexts->list[*picked]);
     contexts->list.clear();
     SKINBENCH_TRY(context->makeCurrent());

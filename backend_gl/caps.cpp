@@ -1,7 +1,9 @@
 #include <algorithm>
 #include <format>
+#include <map>
 
 #include "backend_gl/context.h"
+#include "backend_gl/memory.h"
 
 namespace skinbench {
 
@@ -51,6 +53,7 @@ MeshLimitsOfDevice getExtLimits() {
     limits.maxOutputBytes = getUint(kMaxMeshOutputMemorySize);
     limits.maxSharedBytes = getUint(kMaxMeshSharedMemorySize);
     limits.preferredGroupSize = getUint(kMaxPreferredMeshWorkGroupInvocations);
+    limits.taskStages = true;
     return limits;
 }
 
@@ -64,6 +67,7 @@ MeshLimitsOfDevice getNvLimits() {
     limits.maxGroupCount = getUint(GL_MAX_DRAW_MESH_TASKS_COUNT_NV);
     limits.maxOutputBytes = getUint(GL_MAX_MESH_TOTAL_MEMORY_SIZE_NV);
     limits.maxSharedBytes = limits.maxOutputBytes;
+    limits.taskStages = true;
     return limits;
 }
 
@@ -104,6 +108,7 @@ DeviceCaps queryCaps() {
     }
     caps.meshDepthDiffers = caps.primitiveCullIgnored = caps.software;  // seen with Mesa 26.1
     caps.subpixelBits = getUint(GL_SUBPIXEL_BITS);
+    caps.maxImageSize = getUint(GL_MAX_TEXTURE_SIZE);
     caps.maxComputeSharedBytes = getUint(GL_MAX_COMPUTE_SHARED_MEMORY_SIZE);
     caps.maxComputeGroupSize = getUint(GL_MAX_COMPUTE_WORK_GROUP_INVOCATIONS);
     caps.maxComputeGroupCount = getUintX(GL_MAX_COMPUTE_WORK_GROUP_COUNT);
@@ -114,30 +119,22 @@ DeviceCaps queryCaps() {
     if (has("GL_NVX_gpu_memory_info") && !caps.software)
         caps.deviceBytes = uint64_t{getUint(kGpuMemoryDedicatedNvx)} * 1024;
     caps.pipelineStatistics = caps.version >= "OpenGL 4.6" || has("GL_ARB_pipeline_statistics_query");
-    while (glGetError() != GL_NO_ERROR) {
-    }
+    dropGlErrors();
     return caps;
 }
 
 const char* glErrorName(GLenum error) {
-    switch (error) {
-        case GL_NO_ERROR:
-            return "GL_NO_ERROR";
-        case GL_INVALID_ENUM:
-            return "GL_INVALID_ENUM";
-        case GL_INVALID_VALUE:
-            return "GL_INVALID_VALUE";
-        case GL_INVALID_OPERATION:
-            return "GL_INVALID_OPERATION";
-        case GL_INVALID_FRAMEBUFFER_OPERATION:
-            return "GL_INVALID_FRAMEBUFFER_OPERATION";
-        case GL_OUT_OF_MEMORY:
-            return "GL_OUT_OF_MEMORY";
-        case GL_CONTEXT_LOST:
-            return "GL_CONTEXT_LOST";
-        default:
-            return "an unknown OpenGL error";
-    }
+    static const std::map<GLenum, const char*> names = {
+        {GL_NO_ERROR, "GL_NO_ERROR"},
+        {GL_INVALID_ENUM, "GL_INVALID_ENUM"},
+        {GL_INVALID_VALUE, "GL_INVALID_VALUE"},
+        {GL_INVALID_OPERATION, "GL_INVALID_OPERATION"},
+        {GL_INVALID_FRAMEBUFFER_OPERATION, "GL_INVALID_FRAMEBUFFER_OPERATION"},
+        {GL_OUT_OF_MEMORY, "GL_OUT_OF_MEMORY"},
+        {GL_CONTEXT_LOST, "GL_CONTEXT_LOST"},
+    };
+    auto found = names.find(error);
+    return found == names.end() ? "an unknown OpenGL error" : found->second;
 }
 
 }  // namespace skinbench

@@ -35,36 +35,27 @@ bool hasWord(const char* words, std::string_view word) {
 }
 
 const char* eglErrorName(EGLint error) {
-    switch (error) {
-        case EGL_SUCCESS:
-            return "no reason";
-        case EGL_NOT_INITIALIZED:
-            return "EGL_NOT_INITIALIZED";
-        case EGL_BAD_ACCESS:
-            return "EGL_BAD_ACCESS";
-        case EGL_BAD_ALLOC:
-            return "EGL_BAD_ALLOC";
-        case EGL_BAD_ATTRIBUTE:
-            return "EGL_BAD_ATTRIBUTE";
-        case EGL_BAD_CONFIG:
-            return "EGL_BAD_CONFIG";
-        case EGL_BAD_CONTEXT:
-            return "EGL_BAD_CONTEXT";
-        case EGL_BAD_MATCH:
-            return "EGL_BAD_MATCH";
-        case EGL_BAD_PARAMETER:
-            return "EGL_BAD_PARAMETER";
-        case EGL_CONTEXT_LOST:
-            return "EGL_CONTEXT_LOST";
-        default:
-            return "an unknown EGL error";
-    }
+    static const std::map<EGLint, const char*> names = {
+        {EGL_SUCCESS, "no reason"},
+        {EGL_NOT_INITIALIZED, "EGL_NOT_INITIALIZED"},
+        {EGL_BAD_ACCESS, "EGL_BAD_ACCESS"},
+        {EGL_BAD_ALLOC, "EGL_BAD_ALLOC"},
+        {EGL_BAD_ATTRIBUTE, "EGL_BAD_ATTRIBUTE"},
+        {EGL_BAD_CONFIG, "EGL_BAD_CONFIG"},
+        {EGL_BAD_CONTEXT, "EGL_BAD_CONTEXT"},
+        {EGL_BAD_MATCH, "EGL_BAD_MATCH"},
+        {EGL_BAD_PARAMETER, "EGL_BAD_PARAMETER"},
+        {EGL_CONTEXT_LOST, "EGL_CONTEXT_LOST"},
+    };
+    auto found = names.find(error);
+    return found == names.end() ? "an unknown EGL error" : found->second;
 }
 
-// Which messages tell of a fault in our use of OpenGL. Performance remarks do not, and what the shader compiler
-// refuses is the error of prepare() already.
-bool isFault(GLenum source, GLenum type, GLenum severity) {
+// Which messages are about a fault in our use of OpenGL. Performance remarks are not, and what the shader compiler
+// refuses and what the memory cannot hold are errors of prepare() and run() already.
+bool isFault(GLenum source, GLenum type, GLenum severity, std::string_view text) {
     if (source == GL_DEBUG_SOURCE_SHADER_COMPILER && type == GL_DEBUG_TYPE_ERROR) return false;
+    if (text.contains("GL_OUT_OF_MEMORY")) return false;
     bool kind = type == GL_DEBUG_TYPE_ERROR || type == GL_DEBUG_TYPE_UNDEFINED_BEHAVIOR ||
                 type == GL_DEBUG_TYPE_DEPRECATED_BEHAVIOR || type == GL_DEBUG_TYPE_PORTABILITY;
     return kind && (severity == GL_DEBUG_SEVERITY_HIGH || severity == GL_DEBUG_SEVERITY_MEDIUM);
@@ -72,7 +63,7 @@ bool isFault(GLenum source, GLenum type, GLenum severity) {
 
 void GLAD_API_PTR onDebugMessage(GLenum source, GLenum type, GLuint id, GLenum severity, GLsizei, const GLchar* text,
                                  const void* user) {
-    if (!isFault(source, type, severity)) return;
+    if (!isFault(source, type, severity, text)) return;
     auto& messages = *static_cast<std::vector<std::string>*>(const_cast<void*>(user));
     std::string_view trimmed = text;
     while (!trimmed.empty() && (trimmed.back() == '\n' || trimmed.back() == ' ')) trimmed.remove_suffix(1);

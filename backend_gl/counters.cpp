@@ -1,7 +1,5 @@
 #include "backend_gl/counters.h"
 
-#include <algorithm>
-
 namespace skinbench {
 
 namespace {
@@ -21,17 +19,16 @@ constexpr std::array<Statistic, 7> kStatistics = {{
     {GL_COMPUTE_SHADER_INVOCATIONS, &Counters::computeInvocations},
 }};
 
-bool counts(const GlPlan& plan, GLenum target) {
-    auto has = [&](PassKind kind) { return std::ranges::find(plan.passes, kind, &Pass::kind) != plan.passes.end(); };
+bool counts(PassKind kind, GLenum target) {
     switch (target) {
         case GL_COMPUTE_SHADER_INVOCATIONS:
-            return has(PassKind::dispatch);
+            return kind == PassKind::dispatch;
         case GL_VERTICES_SUBMITTED:
         case GL_PRIMITIVES_SUBMITTED:
         case GL_VERTEX_SHADER_INVOCATIONS:
-            return has(PassKind::drawIndexed);
+            return kind == PassKind::drawIndexed;
         default:
-            return has(PassKind::drawIndexed) || has(PassKind::drawMesh);
+            return kind != PassKind::dispatch;
     }
 }
 
@@ -47,16 +44,15 @@ void GlCounterQueries::begin() const {
     for (size_t i = 0; i < ids_.size(); ++i) glBeginQuery(kStatistics[i].target, ids_[i]);
 }
 
-Counters GlCounterQueries::end(const GlPlan& plan) const {
+void GlCounterQueries::end(PassKind kind, Counters& sum) const {
     for (const Statistic& statistic : kStatistics) glEndQuery(statistic.target);
-    Counters counters;
     for (size_t i = 0; i < ids_.size(); ++i) {
-        if (!counts(plan, kStatistics[i].target)) continue;
+        if (!counts(kind, kStatistics[i].target)) continue;
         GLuint64 value = 0;
         glGetQueryObjectui64v(ids_[i], GL_QUERY_RESULT, &value);
-        counters.*kStatistics[i].value = value;
+        std::optional<uint64_t>& total = sum.*kStatistics[i].value;
+        total = total.value_or(0) + value;
     }
-    return counters;
 }
 
 }  // namespace skinbench

@@ -1,9 +1,11 @@
-// Pipeline statistics of one frame at a time.
+// Pipeline statistics of one pass at a time.
 #pragma once
 
 #include <array>
 
-#include "backend_gl/plan.h"
+#include <glad/gl.h>
+
+#include "common/frame/backend.h"
 
 namespace skinbench {
 
@@ -15,8 +17,8 @@ public:
     GlCounterQueries(const GlCounterQueries&) = delete;
 
     void begin() const;
-    // Waits for the commands since begin(). What the plan's passes cannot have is left empty.
-    Counters end(const GlPlan& plan) const;
+    // Waits for the commands since begin(), and adds what a pass of this kind can have.
+    void end(PassKind kind, Counters& sum) const;
 
 private:
     std::array<GLuint, 7> ids_{};

@@ -17,8 +17,9 @@ Result<void> checkGl(const std::string& what, uint64_t bytes) {
     if (error == GL_NO_ERROR) return {};
     dropGlErrors();
     if (error == GL_OUT_OF_MEMORY)
-        return deviceError(std::format("{} needs {} MiB of device memory and the device gave out; use fewer copies",
-                                       what, (bytes + (1 << 20) - 1) >> 20));
+        return deviceError(std::format(
+            "{} needs {} MiB of device memory, and the device gave out of it; use fewer copies or a smaller scene",
+            what, (bytes + (1 << 20) - 1) >> 20));
     return deviceError(std::format("{}: OpenGL said {}; validation names the call", what, glErrorName(error)));
 }
 

@@ -6,17 +6,9 @@
 
 #include "backend_gl/memory.h"
 #include "backend_gl/program.h"
-#include "common/frame/backend.h"
+#include "common/frame/check_plan.h"
 
 namespace skinbench {
-
-struct GlStream {
-    uint32_t slot = 0;
-    uint32_t use = 0;
-    uint64_t bytes = 0;
-    bool hostWritten = false;
-    GlBuffer buffer;
-};
 
 struct GlProgram {
     LinkedProgram linked;
@@ -24,23 +16,10 @@ struct GlProgram {
 };
 
 struct GlPlan {
-    std::string label;
-    MeshDialect dialect = MeshDialect::none;
-    uint32_t width = 0;
-    uint32_t height = 0;
-    uint64_t paletteBytes = 0;
-    uint32_t paletteRange = 0;
-    uint64_t bytes = 0;  // of all streams
-    std::vector<GlStream> streams;
+    FramePlan shape;
+    std::vector<GlBuffer> streams;  // one for each of the shape's
     std::vector<GlProgram> programs;
-    std::vector<Pass> passes;
-    bool draws = false;  // a pass that needs the targets
-
-    const GlStream* hostWritten() const;
 };
-
-// What the plan asks for and the device cannot do, before anything is allocated.
-Result<void> checkPlan(const FramePlan& plan, const DeviceCaps& caps);
 
 // Compiles and uploads. What was allocated before a failure is freed again.
 Result<GlPlan> makeGlPlan(const FramePlan& plan, ProgramCache& programs, Staging& staging);

@@ -1,64 +1,30 @@
 #include "backend_gl/program.h"
 
-#include <cctype>
+#include <array>
 #include <format>
-#include <string_view>
 #include <vector>
 
 #include "backend_gl/mesh_ext.h"
+#include "common/frame/shader_text.h"
 
 namespace skinbench {
 
 namespace {
 
-GLenum stageEnum(Stage stage) {
-    switch (stage) {
-        case Stage::vertex:
-            return GL_VERTEX_SHADER;
-        case Stage::fragment:
-            return GL_FRAGMENT_SHADER;
-        case Stage::compute:
-            return GL_COMPUTE_SHADER;
-        case Stage::task:
-            return kTaskShader;
-        case Stage::mesh:
-            return kMeshShader;
-    }
-    return 0;
-}
+// In the order of Stage.
+constexpr std::array<GLenum, 5> kStages = {GL_VERTEX_SHADER, GL_FRAGMENT_SHADER, GL_COMPUTE_SHADER, kTaskShader,
+                                           kMeshShader};
 
-std::string_view trim(std::string_view text) {
-    auto isIdle = [](char c) { return std::isspace(static_cast<unsigned char>(c)) || c == '.' || c == '\0'; };
-    while (!text.empty() && isIdle(text.front())) text.remove_prefix(1);
-    while (!text.empty() && isIdle(text.back())) text.remove_suffix(1);
-    return text;
-}
-
-bool saysError(std::string_view line) {
-    for (size_t i = 0; i + 5 <= line.size(); ++i) {
-        bool equal = true;
-        for (size_t j = 0; j < 5; ++j)
-            equal = equal && std::tolower(static_cast<unsigned char>(line[i + j])) == "error"[j];
-        if (equal) return true;
-    }
-    return false;
-}
-
-// The first line with an error in it, else the first line: warnings may come before.
-std::string firstError(std::string_view log) {
-    std::string_view first;
-    while (!log.empty()) {
-        size_t end = std::min(log.find('\n'), log.size());
-        std::string_view line = trim(log.substr(0, end));
-        log.remove_prefix(std::min(end + 1, log.size()));
-        if (saysError(line)) return std::string(line);
-        if (first.empty()) first = line;
-    }
-    return first.empty() ? "the driver gives no reason" : std::string(first);
+std::string infoLog(GLuint id, PFNGLGETSHADERIVPROC get, PFNGLGETSHADERINFOLOGPROC getLog) {
+    GLint length = 0;
+    get(id, GL_INFO_LOG_LENGTH, &length);
+    std::string log(static_cast<size_t>(std::max(length, 1)), '\0');
+    getLog(id, static_cast<GLsizei>(log.size()), nullptr, log.data());
+    return log;
 }
 
 Result<GlShader> compile(const ShaderText& shader) {
-    GlShader object(glCreateShader(stageEnum(shader.stage)));
+    GlShader object(glCreateShader(kStages[static_cast<size_t>(shader.stage)]));
     if (!object.id()) {
         dropGlErrors();
         return deviceError(std::format("{}: the device has no {} stage", shader.name, stageName(shader.stage)));
@@ -67,12 +33,10 @@ Result<GlShader> compile(const ShaderText& shader) {
     auto length = static_cast<GLint>(shader.text.size());
     glShaderSource(object.id(), 1, &text, &length);
     glCompileShader(object.id());
-    GLint compiled = 0, logLength = 0;
+    GLint compiled = 0;
     glGetShaderiv(object.id(), GL_COMPILE_STATUS, &compiled);
     if (compiled) return object;
-    glGetShaderiv(object.id(), GL_INFO_LOG_LENGTH, &logLength);
-    std::string log(static_cast<size_t>(std::max(logLength, 1)), '\0');
-    glGetShaderInfoLog(object.id(), static_cast<GLsizei>(log.size()), nullptr, log.data());
+    const std::string log = infoLog(object.id(), glGetShaderiv, glGetShaderInfoLog);
     return deviceError(
         std::format("{}: {} shader does not compile: {}", shader.name, stageName(shader.stage), firstError(log)));
 }
@@ -88,12 +52,10 @@ Result<GlProgramObject> link(const Program& program) {
     for (const GlShader& shader : shaders) glAttachShader(object.id(), shader.id());
     glLinkProgram(object.id());
     for (const GlShader& shader : shaders) glDetachShader(object.id(), shader.id());
-    GLint linked = 0, logLength = 0;
+    GLint linked = 0;
     glGetProgramiv(object.id(), GL_LINK_STATUS, &linked);
     if (linked) return object;
-    glGetProgramiv(object.id(), GL_INFO_LOG_LENGTH, &logLength);
-    std::string log(static_cast<size_t>(std::max(logLength, 1)), '\0');
-    glGetProgramInfoLog(object.id(), static_cast<GLsizei>(log.size()), nullptr, log.data());
+    const std::string log = infoLog(object.id(), glGetProgramiv, glGetProgramInfoLog);
     return deviceError(std::format("{}: program does not link: {}", program.label, firstError(log)));
 }
 

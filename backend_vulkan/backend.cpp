@@ -1,6 +1,5 @@
 // Records and times batches of frames.
 #include <algorithm>
-#include <cstring>
 #include <format>
 #include <map>
 #include <utility>
@@ -30,7 +29,7 @@ public:
     std::vector<std::string> takeMessages() override;
 
 private:
-    Result<void> usable() const;
+    Result<Plan*> findPlan(PlanId id) const;
     Result<std::shared_ptr<Target>> targetFor(const FramePlan& plan);
     Result<void> needQueries(uint32_t count);
     uint64_t queriesDone(uint32_t count) const;
@@ -38,10 +37,10 @@ private:
     void bindFrame(VkCommandBuffer commands, const Plan& plan, size_t frame, uint64_t paletteOffset) const;
     void recordDraws(VkCommandBuffer commands, const Plan& plan, size_t frame, const Pass& pass) const;
     void timestamp(VkCommandBuffer commands, uint32_t query) const;
-    void recordPass(VkCommandBuffer commands, const Plan& plan, size_t frame, size_t number, uint32_t query) const;
+    template <class Measure>
+    void recordPass(VkCommandBuffer commands, const Plan& plan, size_t frame, size_t number,
+                    const Measure& measure) const;
     void recordOverlapped(VkCommandBuffer commands, const Plan& plan, size_t frame, uint32_t query) const;
-    void recordCounted(VkCommandBuffer commands, const Plan& plan, size_t frame, uint32_t place,
-                       const CounterQueries& counters) const;
     void clearTarget(VkCommandBuffer commands, const Plan& plan) const;
     void bindPass(VkCommandBuffer commands, const Plan& plan, size_t number) const;
     Result<void> runBatch(const Plan& plan, size_t first, std::span<Timing> timings, RunMode mode);
@@ -66,14 +65,15 @@ VulkanBackend::~VulkanBackend() {
     closePipelineCache(*device_, pipelineCache_);
 }
 
-Result<void> VulkanBackend::usable() const {
+Result<Plan*> VulkanBackend::findPlan(PlanId id) const {
     if (device_->lost) return std::unexpected(*device_->lost);
-    return {};
+    auto plan = plans_.find(id);
+    if (plan == plans_.end()) return unknownPlan(id);
+    return plan->second.get();
 }
 
 Result<std::shared_ptr<Target>> VulkanBackend::targetFor(const FramePlan& plan) {
-    auto draws = [](const Pass& pass) { return pass.kind != PassKind::dispatch; };
-    if (std::ranges::none_of(plan.passes, draws)) return nullptr;
+    if (!drawsImage(plan)) return nullptr;
     std::weak_ptr<Target>& known = targets_[{plan.width, plan.height}];
     if (auto target = known.lock()) return target;
     auto target = createTarget(*device_, {plan.width, plan.height});
@@ -82,8 +82,8 @@ Result<std::shared_ptr<Target>> VulkanBackend::targetFor(const FramePlan& plan) 
 }
 
 Result<PlanId> VulkanBackend::prepare(const FramePlan& plan) {
-    SKINBENCH_TRY(usable());
-    SKINBENCH_TRY(checkPlan(*device_, plan));
+    if (device_->lost) return std::unexpected(*device_->lost);
+    SKINBENCH_TRY(checkPlan(plan, caps()));
     auto target = targetFor(plan);
     SKINBENCH_TRY(target);
     auto objects = makePlanObjects(*device_, pipelineCache_, plan, std::move(*target));
@@ -116,15 +116,14 @@ uint64_t VulkanBackend::queriesDone(uint32_t count) const {
 }
 
 Result<double> VulkanBackend::copySkinned(Plan& plan, std::span<const std::byte> skinned) {
-    const StreamBuffer& stream = plan.streams[*plan.hostWritten];
-    SKINBENCH_ASSERT(skinned.size() == stream.bytes);
+    const Buffer& stream = plan.streams[*plan.hostWritten];
     const auto start = Clock::now();
-    if (!skinned.empty()) std::memcpy(plan.hostStaging.mapped, skinned.data(), skinned.size());
+    std::ranges::copy(skinned, plan.hostStaging.mapped);
     SKINBENCH_TRY(flush(*device_, plan.hostStaging));
     auto commands = beginCommands(*device_);
     SKINBENCH_TRY(commands);
-    const VkBufferCopy region{0, 0, stream.buffer.bytes};
-    device_->vk.vkCmdCopyBuffer(*commands, plan.hostStaging.handle, stream.buffer.handle, 1, &region);
+    const VkBufferCopy region{0, 0, stream.bytes};
+    device_->vk.vkCmdCopyBuffer(*commands, plan.hostStaging.handle, stream.handle, 1, &region);
     fullBarrier(*device_, *commands);
     SKINBENCH_TRY(endCommands(*device_));
     SKINBENCH_TRY(submitAndWait(*device_));
@@ -133,7 +132,7 @@ Result<double> VulkanBackend::copySkinned(Plan& plan, std::span<const std::byte>
 
 void VulkanBackend::bindPass(VkCommandBuffer commands, const Plan& plan, size_t number) const {
     const VolkDeviceTable& vk = device_->vk;
-    const Pass& pass = plan.passes[number];
+    const Pass& pass = plan.shape.passes[number];
     if (pass.kind == PassKind::dispatch) {
         vk.vkCmdBindPipeline(commands, VK_PIPELINE_BIND_POINT_COMPUTE, plan.pipelines[number]);
         return;
@@ -174,13 +173,13 @@ void VulkanBackend::recordDraws(VkCommandBuffer commands, const Plan& plan, size
     const bool draws = pass.kind != PassKind::dispatch;
     if (draws) beginRendering(commands, *plan.target, VK_ATTACHMENT_LOAD_OP_LOAD);
     for (const Draw& draw : pass.draws) {
-        if (plan.paletteRange) bindFrame(commands, plan, frame, draw.paletteOffset);
+        if (plan.shape.paletteRange) bindFrame(commands, plan, frame, draw.paletteOffset);
         vk.vkCmdPushConstants(commands, plan.layout, device_->stages, 0, sizeof draw.constants, draw.constants.data());
         if (pass.kind == PassKind::dispatch)
             vk.vkCmdDispatch(commands, draw.count, 1, 1);
         else if (pass.kind == PassKind::drawIndexed)
             vk.vkCmdDrawIndexed(commands, draw.count, 1, draw.firstIndex, draw.baseVertex, 0);
-        else if (plan.dialect == MeshDialect::nv)
+        else if (plan.shape.dialect == MeshDialect::nv)
             vk.vkCmdDrawMeshTasksNV(commands, draw.count, 0);
         else
             vk.vkCmdDrawMeshTasksEXT(commands, draw.count, 1, 1);
@@ -196,16 +195,17 @@ void VulkanBackend::timestamp(VkCommandBuffer commands, uint32_t query) const {
     if (device_->caps.software) fullBarrier(*device_, commands);
 }
 
+// measure(0) and measure(1) record what comes right before and right after the draws.
+template <class Measure>
 void VulkanBackend::recordPass(VkCommandBuffer commands, const Plan& plan, size_t frame, size_t number,
-                               uint32_t query) const {
-    const VolkDeviceTable& vk = device_->vk;
-    const Pass& pass = plan.passes[number];
+                               const Measure& measure) const {
+    const Pass& pass = plan.shape.passes[number];
     if (pass.kind != PassKind::dispatch && pass.clear) clearTarget(commands, plan);
     bindPass(commands, plan, number);
     fullBarrier(*device_, commands);
-    timestamp(commands, query);
+    measure(0);
     recordDraws(commands, plan, frame, pass);
-    timestamp(commands, query + 1);
+    measure(1);
     fullBarrier(*device_, commands);
 }
 
@@ -236,22 +236,21 @@ void narrowBarrier(const Device& device, VkCommandBuffer commands, bool afterDis
 }
 
 void VulkanBackend::recordOverlapped(VkCommandBuffer commands, const Plan& plan, size_t frame, uint32_t query) const {
-    const VolkDeviceTable& vk = device_->vk;
-    if (std::ranges::any_of(plan.passes, [](const Pass& p) { return p.kind != PassKind::dispatch && p.clear; }))
+    if (std::ranges::any_of(plan.shape.passes, [](const Pass& p) { return p.kind != PassKind::dispatch && p.clear; }))
         clearTarget(commands, plan);
     fullBarrier(*device_, commands);
     timestamp(commands, query);
-    for (size_t number = 0; number < plan.passes.size(); ++number) {
-        if (number > 0) narrowBarrier(*device_, commands, plan.passes[number - 1].kind == PassKind::dispatch);
+    for (size_t number = 0; number < plan.shape.passes.size(); ++number) {
+        if (number > 0) narrowBarrier(*device_, commands, plan.shape.passes[number - 1].kind == PassKind::dispatch);
         bindPass(commands, plan, number);
-        recordDraws(commands, plan, frame, plan.passes[number]);
+        recordDraws(commands, plan, frame, plan.shape.passes[number]);
     }
     timestamp(commands, query + 1);
     fullBarrier(*device_, commands);
 }
 
 Result<void> VulkanBackend::runBatch(const Plan& plan, size_t first, std::span<Timing> timings, RunMode mode) {
-    const uint32_t passes = static_cast<uint32_t>(plan.passes.size());
+    const uint32_t passes = static_cast<uint32_t>(plan.shape.passes.size());
     const uint32_t pairs = mode == RunMode::overlap ? 1 : passes;
     const uint32_t count = static_cast<uint32_t>(timings.size()) * pairs * 2;
     SKINBENCH_TRY(needQueries(count));
@@ -264,7 +263,8 @@ Result<void> VulkanBackend::runBatch(const Plan& plan, size_t first, std::span<T
         bindFrame(*commands, plan, first + i, 0);
         if (mode == RunMode::overlap) recordOverlapped(*commands, plan, first + i, i * 2);
         for (uint32_t pass = 0; pass < passes && mode == RunMode::timed; ++pass)
-            recordPass(*commands, plan, first + i, pass, (i * passes + pass) * 2);
+            recordPass(*commands, plan, first + i, pass,
+                       [&](uint32_t end) { timestamp(*commands, (i * passes + pass) * 2 + end); });
     }
     SKINBENCH_TRY(endCommands(*device_));
     const double record = elapsedMs(start);
@@ -277,22 +277,7 @@ Result<void> VulkanBackend::runBatch(const Plan& plan, size_t first, std::span<T
     return readTimings(pairs, timings);
 }
 
-void VulkanBackend::recordCounted(VkCommandBuffer commands, const Plan& plan, size_t frame, uint32_t place,
-                                  const CounterQueries& counters) const {
-    for (size_t number = 0; number < plan.passes.size(); ++number) {
-        const Pass& pass = plan.passes[number];
-        if (pass.kind != PassKind::dispatch && pass.clear) clearTarget(commands, plan);
-        bindPass(commands, plan, number);
-        fullBarrier(*device_, commands);
-        beginCounting(counters, commands, number, place);
-        recordDraws(commands, plan, frame, pass);
-        endCounting(counters, commands, number, place);
-        fullBarrier(*device_, commands);
-    }
-}
-
 Result<void> VulkanBackend::countBatch(const Plan& plan, size_t first, std::span<Timing> timings) {
-    if (!device_->caps.pipelineStatistics) return {};
     const auto frames = static_cast<uint32_t>(timings.size());
     auto counters = makeCounterQueries(*device_, plan, frames);
     SKINBENCH_TRY(counters);
@@ -302,7 +287,9 @@ Result<void> VulkanBackend::countBatch(const Plan& plan, size_t first, std::span
     fullBarrier(*device_, *commands);
     for (uint32_t i = 0; i < frames; ++i) {
         bindFrame(*commands, plan, first + i, 0);
-        recordCounted(*commands, plan, first + i, i, **counters);
+        for (size_t pass = 0; pass < plan.shape.passes.size(); ++pass)
+            recordPass(*commands, plan, first + i, pass,
+                       [&](uint32_t end) { (end ? endCounting : beginCounting)(**counters, *commands, pass, i); });
     }
     SKINBENCH_TRY(endCommands(*device_));
     SKINBENCH_TRY(submitAndWait(*device_));
@@ -335,11 +322,12 @@ Result<void> VulkanBackend::readTimings(uint32_t pairs, std::span<Timing> timing
 }
 
 Result<std::vector<Timing>> VulkanBackend::run(PlanId id, std::span<const FrameInput> frames, RunMode mode) {
-    SKINBENCH_TRY(usable());
-    SKINBENCH_ASSERT(plans_.contains(id));
-    Plan& plan = *plans_.at(id);
+    auto found = findPlan(id);
+    SKINBENCH_TRY(found);
+    Plan& plan = **found;
+    SKINBENCH_TRY(checkFrames(plan.shape, frames));
     std::vector<Timing> timings(frames.size());
-    if (frames.empty()) return timings;
+    if (frames.empty() || (mode == RunMode::counted && !caps().pipelineStatistics)) return timings;
     SKINBENCH_TRY(uploadFrames(*device_, frameData_, plan, frames));
     if (plan.target) plan.target->lastPlan = id;
     auto batch = [&](size_t first, std::span<Timing> of) {
@@ -359,24 +347,19 @@ Result<std::vector<Timing>> VulkanBackend::run(PlanId id, std::span<const FrameI
 }
 
 Result<Image> VulkanBackend::readImage(PlanId id) {
-    SKINBENCH_TRY(usable());
-    SKINBENCH_ASSERT(plans_.contains(id));
-    const Plan& plan = *plans_.at(id);
-    if (!plan.target) return deviceError(plan.label + ": draws nothing, so there is no image to read");
-    if (plan.target->lastPlan != id)
-        return deviceError(plan.label +
-                           ": its image is not there (not run yet, or another plan of this size ran after it); "
-                           "run it again before reading");
-    return downloadImage(*device_, *plan.target);
+    auto plan = findPlan(id);
+    SKINBENCH_TRY(plan);
+    const Target* target = (*plan)->target.get();
+    SKINBENCH_TRY(checkImage((*plan)->shape, id, target ? target->lastPlan : 0));
+    return downloadImage(*device_, *target);
 }
 
 Result<std::vector<std::byte>> VulkanBackend::readStream(PlanId id, uint32_t slot) {
-    SKINBENCH_TRY(usable());
-    SKINBENCH_ASSERT(plans_.contains(id));
-    const Plan& plan = *plans_.at(id);
-    auto stream = std::ranges::find(plan.streams, slot, &StreamBuffer::slot);
-    if (stream == plan.streams.end()) return deviceError(std::format("{}: has no stream at slot {}", plan.label, slot));
-    return download(*device_, stream->buffer, stream->bytes);
+    auto plan = findPlan(id);
+    SKINBENCH_TRY(plan);
+    auto number = streamOfSlot((*plan)->shape, slot);
+    SKINBENCH_TRY(number);
+    return download(*device_, (*plan)->streams[*number], streamBytes((*plan)->shape.streams[*number]));
 }
 
 std::vector<std::string> VulkanBackend::takeMessages() {

@@ -41,7 +41,7 @@ VkQueryPipelineStatisticFlags statisticsOf(const Device& device, const Plan& pla
         case PassKind::drawMesh:
             break;
     }
-    if (plan.dialect != MeshDialect::ext || !device.caps.meshCounters) return kRasterStatistics;
+    if (plan.shape.dialect != MeshDialect::ext || !device.caps.meshCounters) return kRasterStatistics;
     return kRasterStatistics | VK_QUERY_PIPELINE_STATISTIC_MESH_SHADER_INVOCATIONS_BIT_EXT |
            VK_QUERY_PIPELINE_STATISTIC_TASK_SHADER_INVOCATIONS_BIT_EXT;
 }
@@ -52,10 +52,8 @@ Result<VkQueryPool> makePool(Device& device, VkQueryType type, VkQueryPipelineSt
     info.queryCount = frames;
     info.pipelineStatistics = flags;
     VkQueryPool pool = VK_NULL_HANDLE;
-    if (auto made = check(device, device.vk.vkCreateQueryPool(device.handle, &info, nullptr, &pool),
-                          "create the pipeline statistics");
-        !made)
-        return std::unexpected(made.error());
+    SKINBENCH_TRY(check(device, device.vk.vkCreateQueryPool(device.handle, &info, nullptr, &pool),
+                        "create the pipeline statistics"));
     return pool;
 }
 
@@ -73,7 +71,7 @@ CounterQueries::~CounterQueries() {
 
 Result<std::unique_ptr<CounterQueries>> makeCounterQueries(Device& device, const Plan& plan, uint32_t frames) {
     auto queries = std::make_unique<CounterQueries>(device);
-    for (const Pass& pass : plan.passes) {
+    for (const Pass& pass : plan.shape.passes) {
         PassQueries& made = queries->passes.emplace_back();
         made.flags = statisticsOf(device, plan, pass.kind);
         auto statistics = makePool(device, VK_QUERY_TYPE_PIPELINE_STATISTICS, made.flags, frames);

@@ -169,8 +169,7 @@ Result<std::unique_ptr<Device>> openDevice(const BackendOptions& options) {
 
     device->stages = VK_SHADER_STAGE_VERTEX_BIT | VK_SHADER_STAGE_FRAGMENT_BIT | VK_SHADER_STAGE_COMPUTE_BIT;
     if (ext || nv) device->stages |= VK_SHADER_STAGE_MESH_BIT_EXT;
-    if ((ext && device->adapter.taskExt) || (nv && device->adapter.taskNv))
-        device->stages |= VK_SHADER_STAGE_TASK_BIT_EXT;
+    if (device->caps.ext.taskStages || device->caps.nv.taskStages) device->stages |= VK_SHADER_STAGE_TASK_BIT_EXT;
     SKINBENCH_TRY(createAllocator(*device));
     SKINBENCH_TRY(createCommands(*device));
     return device;

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cstring>
 #include <format>
+#include <map>
 
 namespace skinbench::vulkan {
 
@@ -104,18 +105,20 @@ void fillLimits(Adapter& adapter) {
     caps.version = std::format("Vulkan {}.{}.{}", VK_API_VERSION_MAJOR(p.apiVersion),
                                VK_API_VERSION_MINOR(p.apiVersion), VK_API_VERSION_PATCH(p.apiVersion));
     caps.software = p.deviceType == VK_PHYSICAL_DEVICE_TYPE_CPU;
-    caps.meshDepthDiffers = caps.software;  // seen with Mesa 26.1
+    caps.meshDepthDiffers = caps.software;
     caps.timestampPeriodNs = p.limits.timestampPeriod;
     caps.maxComputeGroupSize = std::min(p.limits.maxComputeWorkGroupInvocations, p.limits.maxComputeWorkGroupSize[0]);
     caps.maxComputeGroupCount = p.limits.maxComputeWorkGroupCount[0];
     caps.maxComputeSharedBytes = p.limits.maxComputeSharedMemorySize;
     caps.subpixelBits = p.limits.subPixelPrecisionBits;
+    caps.maxImageSize =
+        std::min({p.limits.maxFramebufferWidth, p.limits.maxFramebufferHeight, p.limits.maxImageDimension2D});
     caps.maxStorageBytes = p.limits.maxStorageBufferRange;
     caps.maxUniformBytes = p.limits.maxUniformBufferRange;
     caps.storageBlocksVertex = p.limits.maxPerStageDescriptorStorageBuffers;
 }
 
-MeshLimitsOfDevice limitsOf(const VkPhysicalDeviceMeshShaderPropertiesEXT& p) {
+MeshLimitsOfDevice limitsOf(const VkPhysicalDeviceMeshShaderPropertiesEXT& p, bool taskStages) {
     return {.available = true,
             .maxVertices = p.maxMeshOutputVertices,
             .maxTriangles = p.maxMeshOutputPrimitives,
@@ -123,11 +126,12 @@ MeshLimitsOfDevice limitsOf(const VkPhysicalDeviceMeshShaderPropertiesEXT& p) {
             .maxGroupCount = std::min(p.maxMeshWorkGroupTotalCount, p.maxMeshWorkGroupCount[0]),
             .maxOutputBytes = p.maxMeshOutputMemorySize,
             .maxSharedBytes = p.maxMeshSharedMemorySize,
-            .preferredGroupSize = p.maxPreferredMeshWorkGroupInvocations};
+            .preferredGroupSize = p.maxPreferredMeshWorkGroupInvocations,
+            .taskStages = taskStages};
 }
 
 // NV has one limit for outputs and shared memory together.
-MeshLimitsOfDevice limitsOf(const VkPhysicalDeviceMeshShaderPropertiesNV& p) {
+MeshLimitsOfDevice limitsOf(const VkPhysicalDeviceMeshShaderPropertiesNV& p, bool taskStages) {
     return {.available = true,
             .maxVertices = p.maxMeshOutputVertices,
             .maxTriangles = p.maxMeshOutputPrimitives,
@@ -135,7 +139,8 @@ MeshLimitsOfDevice limitsOf(const VkPhysicalDeviceMeshShaderPropertiesNV& p) {
             .maxGroupCount = p.maxDrawMeshTasksCount,
             .maxOutputBytes = p.maxMeshTotalMemorySize,
             .maxSharedBytes = p.maxMeshTotalMemorySize,
-            .preferredGroupSize = 0};
+            .preferredGroupSize = 0,
+            .taskStages = taskStages};
 }
 
 // What needs vkGetPhysicalDevice…2; a structure is chained only where the device knows it.
@@ -179,53 +184,30 @@ void fillExtended(Adapter& adapter) {
         caps.driver = driver.driverName + (*driver.driverInfo ? " " + std::string(driver.driverInfo) : "");
     caps.maxBufferBytes = allocation.maxMemoryAllocationSize;  // a buffer has an allocation of its own
     if (buffer.maxBufferSize) caps.maxBufferBytes = std::min(caps.maxBufferBytes, buffer.maxBufferSize);
-    if (hasExt && extFeatures.meshShader) caps.ext = limitsOf(ext);
-    if (hasNv && nvFeatures.meshShader) caps.nv = limitsOf(nv);
-    adapter.taskExt = extFeatures.taskShader;
-    adapter.taskNv = nvFeatures.taskShader;
+    if (hasExt && extFeatures.meshShader) caps.ext = limitsOf(ext, extFeatures.taskShader);
+    if (hasNv && nvFeatures.meshShader) caps.nv = limitsOf(nv, nvFeatures.taskShader);
 }
 
 }  // namespace
 
 const char* resultName(VkResult result) {
-    switch (result) {
-        case VK_SUCCESS:
-            return "VK_SUCCESS";
-        case VK_NOT_READY:
-            return "VK_NOT_READY";
-        case VK_TIMEOUT:
-            return "VK_TIMEOUT";
-        case VK_INCOMPLETE:
-            return "VK_INCOMPLETE";
-        case VK_ERROR_OUT_OF_HOST_MEMORY:
-            return "VK_ERROR_OUT_OF_HOST_MEMORY";
-        case VK_ERROR_OUT_OF_DEVICE_MEMORY:
-            return "VK_ERROR_OUT_OF_DEVICE_MEMORY";
-        case VK_ERROR_OUT_OF_POOL_MEMORY:
-            return "VK_ERROR_OUT_OF_POOL_MEMORY";
-        case VK_ERROR_INITIALIZATION_FAILED:
-            return "VK_ERROR_INITIALIZATION_FAILED";
-        case VK_ERROR_DEVICE_LOST:
-            return "VK_ERROR_DEVICE_LOST";
-        case VK_ERROR_MEMORY_MAP_FAILED:
-            return "VK_ERROR_MEMORY_MAP_FAILED";
-        case VK_ERROR_LAYER_NOT_PRESENT:
-            return "VK_ERROR_LAYER_NOT_PRESENT";
-        case VK_ERROR_EXTENSION_NOT_PRESENT:
-            return "VK_ERROR_EXTENSION_NOT_PRESENT";
-        case VK_ERROR_FEATURE_NOT_PRESENT:
-            return "VK_ERROR_FEATURE_NOT_PRESENT";
-        case VK_ERROR_INCOMPATIBLE_DRIVER:
-            return "VK_ERROR_INCOMPATIBLE_DRIVER";
-        case VK_ERROR_TOO_MANY_OBJECTS:
-            return "VK_ERROR_TOO_MANY_OBJECTS";
-        case VK_ERROR_FORMAT_NOT_SUPPORTED:
-            return "VK_ERROR_FORMAT_NOT_SUPPORTED";
-        case VK_ERROR_INVALID_SHADER_NV:
-            return "VK_ERROR_INVALID_SHADER_NV";
-        default:
-            return "VK_ERROR_UNKNOWN";
-    }
+    static const std::map<VkResult, const char*> names = {
+        {VK_ERROR_OUT_OF_HOST_MEMORY, "VK_ERROR_OUT_OF_HOST_MEMORY"},
+        {VK_ERROR_OUT_OF_DEVICE_MEMORY, "VK_ERROR_OUT_OF_DEVICE_MEMORY"},
+        {VK_ERROR_OUT_OF_POOL_MEMORY, "VK_ERROR_OUT_OF_POOL_MEMORY"},
+        {VK_ERROR_INITIALIZATION_FAILED, "VK_ERROR_INITIALIZATION_FAILED"},
+        {VK_ERROR_DEVICE_LOST, "VK_ERROR_DEVICE_LOST"},
+        {VK_ERROR_MEMORY_MAP_FAILED, "VK_ERROR_MEMORY_MAP_FAILED"},
+        {VK_ERROR_LAYER_NOT_PRESENT, "VK_ERROR_LAYER_NOT_PRESENT"},
+        {VK_ERROR_EXTENSION_NOT_PRESENT, "VK_ERROR_EXTENSION_NOT_PRESENT"},
+        {VK_ERROR_FEATURE_NOT_PRESENT, "VK_ERROR_FEATURE_NOT_PRESENT"},
+        {VK_ERROR_INCOMPATIBLE_DRIVER, "VK_ERROR_INCOMPATIBLE_DRIVER"},
+        {VK_ERROR_TOO_MANY_OBJECTS, "VK_ERROR_TOO_MANY_OBJECTS"},
+        {VK_ERROR_FORMAT_NOT_SUPPORTED, "VK_ERROR_FORMAT_NOT_SUPPORTED"},
+        {VK_ERROR_INVALID_SHADER_NV, "VK_ERROR_INVALID_SHADER_NV"},
+    };
+    auto found = names.find(result);
+    return found == names.end() ? "VK_ERROR_UNKNOWN" : found->second;
 }
 
 Instance::~Instance() {

@@ -35,8 +35,6 @@ struct Adapter {
     uint32_t apiVersion = 0;
     std::optional<uint32_t> queueFamily;  // the first with graphics and compute
     VkPhysicalDeviceProperties properties{};
-    bool taskExt = false;
-    bool taskNv = false;
     DeviceCaps caps;
 };
 

@@ -42,12 +42,18 @@ VmaAllocationCreateInfo allocationInfo(Memory memory) {
     return info;
 }
 
+// Error text for what could not be allocated: "<who> needs 812 MiB of device memory, …".
+std::unexpected<Error> memoryError(Device& device, const std::string& who, uint64_t bytes, VkResult result) {
+    if (result == VK_ERROR_DEVICE_LOST) return std::unexpected(check(device, result, "take memory").error());
+    return deviceError(
+        std::format("{} needs {} MiB of device memory, and {} gave out of it ({}); use fewer copies or a smaller scene",
+                    who, (bytes + (1 << 20) - 1) >> 20, device.caps.name, resultName(result)));
+}
+
 Result<void> needBuffer(Device& device, Buffer& buffer, Memory memory, VkBufferUsageFlags usage) {
     if (buffer.handle) return {};
-    VkResult result = tryCreateBuffer(device, kChunkBytes, usage, memory, buffer);
-    if (result == VK_SUCCESS) return {};
-    return std::unexpected(
-        memoryError(device, device.caps.name + ": the copy between host and device", kChunkBytes, result));
+    return createBuffer(device, kChunkBytes, usage, memory, buffer,
+                        [&] { return device.caps.name + ": the copy between host and device"; });
 }
 
 // Ends the recording with what makes the copied bytes readable by the host, and runs it.
@@ -101,10 +107,9 @@ Result<void> createAttachment(Target& target, VkFormat format, VkImageUsageFlags
     VmaAllocationCreateInfo allocation = allocationInfo(Memory::device);
     VkResult result = vmaCreateImage(device.allocator, &info, &allocation, &image, &memory, nullptr);
     const uint64_t bytes = uint64_t{target.size.width} * target.size.height * 4;
-    if (result == VK_ERROR_DEVICE_LOST) return check(device, result, "create an image");
     if (result != VK_SUCCESS)
-        return std::unexpected(
-            memoryError(device, std::format("the {}x{} image", target.size.width, target.size.height), bytes, result));
+        return memoryError(device, std::format("the {}x{} image", target.size.width, target.size.height), bytes,
+                           result);
     VkImageViewCreateInfo viewInfo{VK_STRUCTURE_TYPE_IMAGE_VIEW_CREATE_INFO};
     viewInfo.image = image;
     viewInfo.viewType = VK_IMAGE_VIEW_TYPE_2D;
@@ -141,11 +146,11 @@ void destroy(Device& device, Buffer& buffer) {
     buffer = {};
 }
 
-Error memoryError(const Device& device, const std::string& who, uint64_t bytes, VkResult result) {
-    return {Fault::device,
-            std::format(
-                "{} needs {} MiB of device memory, and {} gave out of it ({}); take fewer copies or a smaller scene",
-                who, (bytes + (1 << 20) - 1) >> 20, device.caps.name, resultName(result))};
+Result<void> createBuffer(Device& device, uint64_t bytes, VkBufferUsageFlags usage, Memory memory, Buffer& buffer,
+                          const Who& who) {
+    const VkResult result = tryCreateBuffer(device, bytes, usage, memory, buffer);
+    if (result != VK_SUCCESS) return memoryError(device, who(), bytes, result);
+    return {};
 }
 
 Result<void> upload(Device& device, const Buffer& target, uint64_t bytes, const Fill& fill) {

@@ -18,8 +18,10 @@ enum class Memory {
 VkResult tryCreateBuffer(Device& device, uint64_t bytes, VkBufferUsageFlags usage, Memory memory, Buffer& buffer);
 void destroy(Device& device, Buffer& buffer);
 
-// Error text for what could not be allocated: "<who> needs 812 MiB of device memory, …".
-Error memoryError(const Device& device, const std::string& who, uint64_t bytes, VkResult result);
+// The same with an error, "<who> needs 812 MiB of device memory, …" where there is not enough.
+using Who = std::function<std::string()>;
+Result<void> createBuffer(Device& device, uint64_t bytes, VkBufferUsageFlags usage, Memory memory, Buffer& buffer,
+                          const Who& who);
 
 // Copies `bytes` bytes to the start of the buffer in chunks; `fill` writes the chunk that begins at byte `from`.
 using Fill = std::function<void(std::span<std::byte> chunk, uint64_t from)>;

@@ -2,10 +2,9 @@
 #include <cstring>
 #include <filesystem>
 #include <format>
-#include <fstream>
-#include <random>
 
 #include "backend_vulkan/program.h"
+#include "common/core/file.h"
 
 namespace skinbench::vulkan {
 
@@ -21,7 +20,7 @@ struct FileHeader {
 };
 
 // FNV-1a.
-uint64_t hashBytes(const std::vector<char>& data) {
+uint64_t hashBytes(std::string_view data) {
     uint64_t hash = 0xcbf29ce484222325;
     for (char c : data) hash = (hash ^ static_cast<unsigned char>(c)) * 0x100000001b3;
     return hash;
@@ -44,7 +43,7 @@ fs::path cacheFile(const Device& device) {
     return folder / "skinbench" / (name + ".bin");
 }
 
-bool isOfThisDevice(const Device& device, const std::vector<char>& data) {
+bool isOfThisDevice(const Device& device, std::string_view data) {
     VkPipelineCacheHeaderVersionOne header{};
     if (data.size() < sizeof header) return false;
     std::memcpy(&header, data.data(), sizeof header);
@@ -55,42 +54,27 @@ bool isOfThisDevice(const Device& device, const std::vector<char>& data) {
 }
 
 // Empty: there is none that can be used.
-std::vector<char> readCache(const Device& device, const fs::path& path) {
-    std::error_code error;
-    const uint64_t size = fs::file_size(path, error);
-    if (error || size < sizeof(FileHeader)) return {};
-    std::ifstream file(path, std::ios::binary);
+std::string readCache(const Device& device, const fs::path& path) {
+    const auto file = readWholeFile(path.string());
     FileHeader header, expected;
-    file.read(reinterpret_cast<char*>(&header), sizeof header);
-    if (!file || std::memcmp(header.magic, expected.magic, sizeof header.magic) != 0) return {};
-    if (header.bytes != size - sizeof header) return {};
-    std::vector<char> data(header.bytes);
-    file.read(data.data(), static_cast<std::streamsize>(data.size()));
-    if (!file || hashBytes(data) != header.hash || !isOfThisDevice(device, data)) return {};
-    return data;
+    if (!file || file->size() < sizeof header) return {};
+    std::memcpy(&header, file->data(), sizeof header);
+    std::string data = file->substr(sizeof header);
+    expected.bytes = data.size();
+    expected.hash = hashBytes(data);
+    return std::memcmp(&header, &expected, sizeof header) == 0 && isOfThisDevice(device, data) ? data : "";
 }
 
-// Under another name first: a second process reads the old file or the new one, never half of one.
-void writeCache(const fs::path& path, const std::vector<char>& data) {
-    std::error_code error;
-    fs::create_directories(path.parent_path(), error);
-    const fs::path unfinished = path.string() + std::format(".{:08x}", std::random_device{}());
-    FileHeader header;
-    header.bytes = data.size();
-    header.hash = hashBytes(data);
-    std::ofstream file(unfinished, std::ios::binary);
-    file.write(reinterpret_cast<const char*>(&header), sizeof header);
-    file.write(data.data(), static_cast<std::streamsize>(data.size()));
-    file.close();
-    if (file) fs::rename(unfinished, path, error);
-    if (!file || error) fs::remove(unfinished, error);
+void writeCache(const fs::path& path, const std::string& data) {
+    const FileHeader header{.bytes = data.size(), .hash = hashBytes(data)};
+    (void)writeWholeFile(path.string(), std::string(reinterpret_cast<const char*>(&header), sizeof header) + data);
 }
 
 }  // namespace
 
 Result<VkPipelineCache> openPipelineCache(Device& device) {
     const fs::path path = cacheFile(device);
-    const std::vector<char> data = path.empty() ? std::vector<char>{} : readCache(device, path);
+    const std::string data = path.empty() ? "" : readCache(device, path);
     VkPipelineCacheCreateInfo info{VK_STRUCTURE_TYPE_PIPELINE_CACHE_CREATE_INFO};
     info.initialDataSize = data.size();
     info.pInitialData = data.data();
@@ -110,7 +94,7 @@ void closePipelineCache(Device& device, VkPipelineCache cache) {
         return;
     }
     size_t size = 0;
-    std::vector<char> data;
+    std::string data;
     VkResult result = device.vk.vkGetPipelineCacheData(device.handle, cache, &size, nullptr);
     if (result == VK_SUCCESS) {
         data.resize(size);

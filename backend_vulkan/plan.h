@@ -3,23 +3,14 @@
 
 #include "backend_vulkan/memory.h"
 #include "backend_vulkan/program.h"
+#include "common/frame/check_plan.h"
 
 namespace skinbench::vulkan {
 
-struct StreamBuffer {
-    uint32_t slot = 0;
-    Buffer buffer;
-    uint64_t bytes = 0;
-};
-
 struct Plan {
     Device& device;
-    std::string label;
-    MeshDialect dialect = MeshDialect::none;
-    uint64_t paletteBytes = 0;
-    uint32_t paletteRange = 0;
-    std::vector<Pass> passes;
-    std::vector<StreamBuffer> streams;
+    FramePlan shape;
+    std::vector<Buffer> streams;          // one for each of the shape's
     std::vector<VkPipeline> pipelines;    // one a pass
     std::vector<VkBuffer> vertexBuffers;  // one a pass; null: the pass has no attributes
     VkBuffer indexBuffer = VK_NULL_HANDLE;
@@ -32,7 +23,7 @@ struct Plan {
     std::shared_ptr<Target> target;  // null: no pass draws
     uint64_t frameDataVersion = 0;   // the FrameData that the descriptors point to
 
-    explicit Plan(Device& owner) : device(owner) {}
+    Plan(Device& owner, const FramePlan& plan) : device(owner), shape(planShape(plan)) {}
     Plan(const Plan&) = delete;
     ~Plan();
 };
@@ -52,9 +43,6 @@ uint64_t paletteRange(const Plan& plan);
 // `target` is what the passes draw into; null where no pass draws.
 Result<std::unique_ptr<Plan>> makePlanObjects(Device& device, VkPipelineCache cache, const FramePlan& source,
                                               std::shared_ptr<Target> target);
-
-// Refuses what the device cannot do, before anything is made.
-Result<void> checkPlan(const Device& device, const FramePlan& plan);
 
 // Writes constants and palettes of all frames, in a larger buffer where the present one is too small, and points the
 // plan's descriptors at it.

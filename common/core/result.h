@@ -33,6 +33,11 @@ inline std::unexpected<Error> deviceError(std::string text) {
     return std::unexpected(Error{Fault::device, std::move(text)});
 }
 
+// The same error with the place in front of it.
+inline std::unexpected<Error> errorAt(const std::string& place, const Error& error) {
+    return std::unexpected(Error{error.fault, place + ": " + error.text});
+}
+
 }  // namespace skinbench
 
 // Hands an error on to the caller: SKINBENCH_TRY(check(x)); or, where the value is needed, after auto y = make(x);

@@ -2,30 +2,45 @@
 
 #include <algorithm>
 #include <cctype>
+#include <cstring>
 
 namespace skinbench {
 
 const char* stageName(Stage stage) {
-    switch (stage) {
-        case Stage::vertex:
-            return "vertex";
-        case Stage::fragment:
-            return "fragment";
-        case Stage::compute:
-            return "compute";
-        case Stage::task:
-            return "task";
-        case Stage::mesh:
-            return "mesh";
-    }
-    return "?";
+    constexpr std::array names = {"vertex", "fragment", "compute", "task", "mesh"};
+    return names[static_cast<size_t>(stage)];
+}
+
+bool hasStage(const Program& program, Stage stage) {
+    return std::ranges::find(program.stages, stage, &ShaderText::stage) != program.stages.end();
+}
+
+uint64_t streamBytes(const Stream& stream) {
+    return stream.bytes ? uint64_t{stream.bytes->size()} * stream.replicas : stream.gpuBytes;
 }
 
 uint64_t planBytes(const FramePlan& plan) {
     uint64_t total = 0;
-    for (const Stream& stream : plan.streams)
-        total += stream.bytes ? uint64_t{stream.bytes->size()} * stream.replicas : stream.gpuBytes;
+    for (const Stream& stream : plan.streams) total += streamBytes(stream);
     return total;
+}
+
+void copyReplicas(const Stream& stream, uint64_t from, std::span<std::byte> out) {
+    const std::vector<std::byte>& bytes = *stream.bytes;
+    while (!out.empty()) {
+        const uint64_t replica = from / bytes.size(), start = from % bytes.size();
+        const size_t count = std::min<uint64_t>(bytes.size() - start, out.size());
+        std::memcpy(out.data(), bytes.data() + start, count);
+        const uint32_t add = stream.replicaAdd * static_cast<uint32_t>(replica);
+        for (size_t i = 0; add && i < count; i += sizeof add) {
+            uint32_t word;
+            std::memcpy(&word, &out[i], sizeof word);
+            word += add;
+            std::memcpy(&out[i], &word, sizeof word);
+        }
+        from += count;
+        out = out.subspan(count);
+    }
 }
 
 static std::string lower(std::string text) {

@@ -11,7 +11,9 @@
 //    clear the targets outside them too;
 //  * draw into an RGBA8 (UNORM) colour target and a D32F depth target of the plan's size, with clip space y down and
 //    depth 0..1, so that row 0 of readImage() is the top row; front faces are counter-clockwise as seen on screen;
+//  * refuse a plan, a batch, a slot or an image with the sentence of check_plan.h, before it does anything;
 //  * report what goes wrong as one sentence; never print, throw or exit.
+// tests/frame/test_backend_contract.cpp holds every backend to it.
 #pragma once
 
 #include <array>
@@ -45,6 +47,7 @@ struct MeshLimitsOfDevice {
     uint32_t maxOutputBytes = 0;  // all outputs of one work group
     uint32_t maxSharedBytes = 0;
     uint32_t preferredGroupSize = 0;  // 0: the driver does not say
+    bool taskStages = false;          // a task stage may start the mesh work groups
 };
 
 // Facts only; what follows from them is decided in variant.cpp.
@@ -64,19 +67,22 @@ struct DeviceCaps {
     uint32_t maxComputeGroupSize = 0;
     uint32_t maxComputeSharedBytes = 0;
     uint32_t maxComputeGroupCount = 0;     // x
+    uint32_t maxImageSize = UINT32_MAX;    // width and height of a target
     uint64_t maxBufferBytes = UINT64_MAX;  // of one buffer
     uint64_t maxStorageBytes = 0;          // of one storage buffer binding
     uint64_t maxUniformBytes = 0;          // of one uniform buffer binding
     uint32_t storageBlocksVertex = 0;      // storage blocks a vertex stage may have
     uint64_t deviceBytes = 0;              // memory of the device's largest heap; 0: the driver does not say
     bool pipelineStatistics = false;
-    bool meshCounters = false;        // statistics of task and mesh stages in the EXT dialect
-    bool lastMeshOutputLost = false;  // a driver fault, found by a test draw: the last location that mesh stages write
-                                      // never reaches the fragment stage
-    bool meshDepthDiffers = false;    // a mesh and a vertex stage that write equal positions get depths that differ in
-                                      // the last bit
-    bool primitiveCullIgnored = false;    // gl_CullPrimitiveEXT drops nothing
+    bool meshCounters = false;            // statistics of task and mesh stages in the EXT dialect
     std::vector<std::string> extensions;  // sorted
+
+    // Faults of drivers. The first two are found by a test draw. The third shows in few of many triangles, so it is
+    // taken for granted of a software device, where it was seen (Mesa 26.1).
+    bool lastMeshOutputLost = false;    // the last location that mesh stages write never reaches the fragment stage
+    bool primitiveCullIgnored = false;  // gl_CullPrimitiveEXT drops nothing
+    bool meshDepthDiffers = false;  // a mesh and a vertex stage that write equal positions get depths that differ in
+                                    // the last bit
 };
 
 inline const MeshLimitsOfDevice& meshLimits(const DeviceCaps& caps, MeshDialect dialect) {
@@ -111,6 +117,8 @@ struct Program {
     uint32_t attributeStride = 0;             // bytes
 };
 
+bool hasStage(const Program& program, Stage stage);
+
 enum StreamUse : uint32_t {
     useStorage = 1,     // a storage block
     useUniform = 2,     // a uniform block
@@ -120,13 +128,15 @@ enum StreamUse : uint32_t {
 
 // One buffer. Its size is bytes->size() * replicas, each replica a copy of its own in device memory, or `gpuBytes`
 // for a buffer that only the device writes (zero at first). SLOT_FRAME and SLOT_PALETTE are no streams: FrameInput
-// carries them, their size is given in FramePlan.
+// carries them, their size is given in FramePlan. A plan has one stream at most for a slot, one that feeds indexed
+// draws and one that is hostWritten.
 struct Stream {
     uint32_t slot = 0;
     uint32_t use = useStorage;
     std::shared_ptr<const std::vector<std::byte>> bytes{};
     uint32_t replicas = 1;
-    uint32_t replicaAdd = 0;  // added to every 32-bit word, times the replica's number: indices of a batched draw
+    uint32_t replicaAdd = 0;  // added to every 32-bit word, times the replica's number: indices of a batched draw;
+                              // `bytes` are whole words then
     uint64_t gpuBytes = 0;
     bool hostWritten = false;  // FrameInput::skinned replaces the whole content before each frame
 };
@@ -140,13 +150,14 @@ enum class RasterMode { full, noFragments, discard };
 enum class DepthTest { lessWrite, equalKeep };
 
 // dispatch: `count` work groups (x).  drawMesh: `count` work groups (task or mesh).
-// drawIndexed: `count` indices from `firstIndex`, `baseVertex` added to each.
+// drawIndexed: `count` indices from `firstIndex`, all of them in the stream, `baseVertex` added to each.
 struct Draw {
     uint32_t count = 0;
     uint32_t firstIndex = 0;
     int32_t baseVertex = 0;
     std::array<uint32_t, 4> constants{};
-    uint64_t paletteOffset = 0;  // bytes into one frame's palettes, a multiple of kPaletteAlignment
+    uint64_t paletteOffset = 0;  // bytes into one frame's palettes, a multiple of kPaletteAlignment; the range that
+                                 // starts here ends within them
 };
 
 struct Pass {
@@ -177,22 +188,27 @@ struct FramePlan {
     std::vector<Pass> passes;
 };
 
-// Bytes of device memory that the plan's streams take.
+// Bytes of device memory that a stream takes, and all streams of a plan.
+uint64_t streamBytes(const Stream& stream);
 uint64_t planBytes(const FramePlan& plan);
+
+// The bytes from `from` on of what a stream with bytes holds at first: all replicas, one behind the other. With
+// replicaAdd, `from` is a multiple of 4, and so is the size of `out`.
+void copyReplicas(const Stream& stream, uint64_t from, std::span<std::byte> out);
 
 // --- running it ------------------------------------------------------------------------------------------------
 
 struct FrameInput {
     FrameConstants constants{};
     std::span<const std::byte> palette;  // paletteBytes bytes; must stay alive during run()
-    std::span<const std::byte> skinned;  // for the hostWritten stream, else empty; copied as pass "upload"
+    std::span<const std::byte> skinned;  // all of the hostWritten stream, else empty; copied as pass "upload"
 };
 
 // How run() draws its frames.
 // timed:   a full barrier around every pass and two timestamps at each.
 // overlap: between the passes of a frame only what the next one reads is waited for; two timestamps around the whole
 //          frame, with full barriers outside.
-// counted: pipeline statistics instead of timestamps.
+// counted: pipeline statistics instead of timestamps; nothing is drawn where the device has none.
 enum class RunMode { timed, overlap, counted };
 
 // What the pipeline did for one frame, all passes together; empty where the API does not count it for these passes.
@@ -201,9 +217,9 @@ struct Counters {
         fragmentInvocations, computeInvocations, taskInvocations, meshInvocations, meshPrimitives;
 };
 
-// Milliseconds. `passes` has one element a pass of the plan, one in all in RunMode::overlap. `upload` is the host time
-// that the copy of FrameInput::skinned into device memory took, fenced; 0 where there is none. `record` and `submit`
-// are host times of the whole batch divided by its frames.
+// Milliseconds. `passes` has one element for each pass of the plan, one in all in RunMode::overlap and none in
+// RunMode::counted. `upload` is the host time that the copy of FrameInput::skinned into device memory took, fenced; 0
+// where there is none. `record` and `submit` are host times of the whole batch divided by its frames.
 struct Timing {
     std::vector<double> passes;
     double upload = 0;
@@ -231,21 +247,24 @@ public:
 
     virtual const DeviceCaps& caps() const = 0;
 
-    // Compiles and uploads; never timed. The id stays valid until release(). Fails with the compiler's first error
-    // line, or when the device has not the memory; nothing is left allocated then.
+    // Compiles and uploads; never timed. The id stays valid until release(). Fails where checkPlan does, with the
+    // compiler's first error line, or when the device is out of memory; nothing is left allocated then.
     virtual Result<PlanId> prepare(const FramePlan& plan) = 0;
 
-    // Uploads every palette first, then renders all frames in order and waits; one Timing a frame. The first frame may
-    // be rendered once more in front of it, so what a frame leaves behind must not depend on how often it ran. Never
-    // fails because of what an earlier plan did; a lost device is an error of this and every later call.
+    // Uploads every palette first, then renders all frames in order and waits; one Timing a frame, none and nothing
+    // done without frames. The first frame may be rendered once more in front of it, so what a frame leaves behind must
+    // not depend on how often it ran. Fails where checkFrames does. Never fails because of what an earlier plan did; a
+    // lost device is an error of this and every later call.
     virtual Result<std::vector<Timing>> run(PlanId plan, std::span<const FrameInput> frames,
                                             RunMode mode = RunMode::timed) = 0;
 
     // The colour target and a whole stream as the last run() of this plan left them. Plans of one size share their
-    // targets: the image is an error once another of them has run.
+    // targets: the image is an error before a run, and once another of them has run. Before a run, a stream holds what
+    // prepare() put there.
     virtual Result<Image> readImage(PlanId plan) = 0;
     virtual Result<std::vector<std::byte>> readStream(PlanId plan, uint32_t slot) = 0;
 
+    // Ids are never used again; to release one that is not there does nothing.
     virtual void release(PlanId plan) = 0;
 
     // What the validation layer or the debug output said since the last call; empty without validation.
@@ -262,7 +281,8 @@ Result<std::vector<DeviceCaps>> listGlDevices();
 Result<std::unique_ptr<Backend>> openVulkan(const BackendOptions& options);
 Result<std::unique_ptr<Backend>> openGl(const BackendOptions& options);
 
-// Keeps the plan and draws nothing; streams and images read back as uploaded or zero. The pattern for a new backend.
+// Keeps the plan and draws nothing: streams read back as uploaded, images as zero, all times are 0, nothing is counted.
+// The pattern for a new backend.
 std::unique_ptr<Backend> openNull(const DeviceCaps& caps);
 
 // Picks from a list as BackendOptions::device says; the error names what there is.

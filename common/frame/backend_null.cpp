@@ -1,7 +1,6 @@
-#include <cstring>
 #include <map>
 
-#include "common/frame/backend.h"
+#include "common/frame/check_plan.h"
 
 namespace skinbench {
 namespace {
@@ -13,66 +12,54 @@ public:
     const DeviceCaps& caps() const override { return caps_; }
 
     Result<PlanId> prepare(const FramePlan& plan) override {
+        SKINBENCH_TRY(checkPlan(plan, caps_));
         plans_[next_] = plan;
         return next_++;
     }
 
-    Result<std::vector<Timing>> run(PlanId plan, std::span<const FrameInput> frames, RunMode mode) override {
-        const FramePlan* kept = find(plan);
-        if (!kept) return deviceError("null backend: no such plan");
-        for (const FrameInput& frame : frames)
-            if (frame.palette.size() != kept->paletteBytes)
-                return deviceError("null backend: a palette has not the plan's size");
+    Result<std::vector<Timing>> run(PlanId id, std::span<const FrameInput> frames, RunMode mode) override {
+        auto plan = plans_.find(id);
+        if (plan == plans_.end()) return unknownPlan(id);
+        SKINBENCH_TRY(checkFrames(plan->second, frames));
+        const bool counted = mode == RunMode::counted;
         Timing timing;
-        if (mode == RunMode::counted)
-            timing.counters.emplace();
-        else
-            timing.passes.assign(mode == RunMode::overlap ? 1 : kept->passes.size(), 0.0);
+        if (counted && caps_.pipelineStatistics) timing.counters.emplace();
+        if (!counted) timing.passes.resize(mode == RunMode::overlap ? 1 : plan->second.passes.size());
+        const bool runs = !frames.empty() && (!counted || caps_.pipelineStatistics);
+        if (runs && drawsImage(plan->second)) lastOfSize_[sizeOf(plan->second)] = id;
         return std::vector<Timing>(frames.size(), timing);
     }
 
-    Result<Image> readImage(PlanId plan) override {
-        const FramePlan* kept = find(plan);
-        if (!kept) return deviceError("null backend: no such plan");
-        return Image{kept->width, kept->height, std::vector<uint8_t>(size_t{kept->width} * kept->height * 4, 0)};
+    Result<Image> readImage(PlanId id) override {
+        auto plan = plans_.find(id);
+        if (plan == plans_.end()) return unknownPlan(id);
+        const auto [width, height] = sizeOf(plan->second);
+        SKINBENCH_TRY(checkImage(plan->second, id, lastOfSize_[{width, height}]));
+        return Image{width, height, std::vector<uint8_t>(size_t{width} * height * 4)};
     }
 
-    Result<std::vector<std::byte>> readStream(PlanId plan, uint32_t slot) override {
-        const FramePlan* kept = find(plan);
-        if (!kept) return deviceError("null backend: no such plan");
-        for (const Stream& stream : kept->streams)
-            if (stream.slot == slot) return content(stream);
-        return deviceError("null backend: the plan has no stream in slot " + std::to_string(slot));
+    Result<std::vector<std::byte>> readStream(PlanId id, uint32_t slot) override {
+        auto plan = plans_.find(id);
+        if (plan == plans_.end()) return unknownPlan(id);
+        auto number = streamOfSlot(plan->second, slot);
+        SKINBENCH_TRY(number);
+        const Stream& stream = plan->second.streams[*number];
+        std::vector<std::byte> bytes(streamBytes(stream));
+        if (stream.bytes) copyReplicas(stream, 0, bytes);
+        return bytes;
     }
 
-    void release(PlanId plan) override { plans_.erase(plan); }
+    void release(PlanId id) override { plans_.erase(id); }
 
     std::vector<std::string> takeMessages() override { return {}; }
 
 private:
-    const FramePlan* find(PlanId plan) const {
-        auto kept = plans_.find(plan);
-        return kept == plans_.end() ? nullptr : &kept->second;
-    }
-
-    static std::vector<std::byte> content(const Stream& stream) {
-        if (!stream.bytes) return std::vector<std::byte>(stream.gpuBytes);
-        std::vector<std::byte> all;
-        for (uint32_t replica = 0; replica < stream.replicas; ++replica) {
-            const size_t start = all.size();
-            all.insert(all.end(), stream.bytes->begin(), stream.bytes->end());
-            for (size_t at = start; stream.replicaAdd && at + 4 <= all.size(); at += 4) {
-                uint32_t word;
-                std::memcpy(&word, &all[at], 4);
-                word += stream.replicaAdd * replica;
-                std::memcpy(&all[at], &word, 4);
-            }
-        }
-        return all;
-    }
+    using Size = std::pair<uint32_t, uint32_t>;
+    static Size sizeOf(const FramePlan& plan) { return {plan.width, plan.height}; }
 
     DeviceCaps caps_;
     std::map<PlanId, FramePlan> plans_;
+    std::map<Size, PlanId> lastOfSize_;
     PlanId next_ = 1;
 };
 

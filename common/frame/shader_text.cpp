@@ -1,6 +1,8 @@
 #include "common/frame/shader_text.h"
 
 #include <algorithm>
+#include <array>
+#include <cctype>
 #include <cstdlib>
 #include <filesystem>
 #include <fstream>
@@ -92,8 +94,7 @@ Result<void> expand(const std::string& name, const std::string& from, Expansion&
             continue;
         }
         std::string included = includedFile(line, expansion.defines);
-        if (!included.empty())
-            if (auto done = expand(included, name, expansion); !done) return done;
+        if (!included.empty()) SKINBENCH_TRY(expand(included, name, expansion));
         expansion.text += "#line " + std::to_string(count + 1) + " " + number + "\n";
     }
     expansion.open.pop_back();
@@ -101,28 +102,14 @@ Result<void> expand(const std::string& name, const std::string& from, Expansion&
     return {};
 }
 
-const char* stageDefine(Stage stage) {
-    switch (stage) {
-        case Stage::vertex:
-            return "STAGE_VERTEX";
-        case Stage::fragment:
-            return "STAGE_FRAGMENT";
-        case Stage::compute:
-            return "STAGE_COMPUTE";
-        case Stage::task:
-            return "STAGE_TASK";
-        case Stage::mesh:
-            return "STAGE_MESH";
-    }
-    return "?";
-}
+constexpr std::array kStageDefines = {"STAGE_VERTEX", "STAGE_FRAGMENT", "STAGE_COMPUTE", "STAGE_TASK", "STAGE_MESH"};
 
 }  // namespace
 
 Result<ShaderText> shaderText(const ShaderLibrary& library, const ShaderRequest& request) {
     Defines defines = request.defines;
-    for (Stage stage : {Stage::vertex, Stage::fragment, Stage::compute, Stage::task, Stage::mesh})
-        defines.emplace_back(stageDefine(stage), stage == request.stage ? "1" : "0");
+    for (size_t stage = 0; stage < kStageDefines.size(); ++stage)
+        defines.emplace_back(kStageDefines[stage], stage == static_cast<size_t>(request.stage) ? "1" : "0");
     defines.emplace_back("MESH_NV", request.dialect == MeshDialect::nv ? "1" : "0");
 
     Expansion expansion{library, defines};
@@ -141,6 +128,28 @@ Result<ShaderText> shaderText(const ShaderLibrary& library, const ShaderRequest&
     for (const auto& [name, value] : defines)
         if (value.empty() || value.front() != '"') text += "#define " + name + " " + value + "\n";
     return ShaderText{request.stage, request.file + " (" + stageName(request.stage) + ")", text + expansion.text};
+}
+
+static std::string_view trim(std::string_view text) {
+    auto isIdle = [](char c) { return std::isspace(static_cast<unsigned char>(c)) || c == '.' || c == '\0'; };
+    while (!text.empty() && isIdle(text.front())) text.remove_prefix(1);
+    while (!text.empty() && isIdle(text.back())) text.remove_suffix(1);
+    return text;
+}
+
+std::string firstError(std::string_view log) {
+    auto same = [](char a, char b) { return std::tolower(static_cast<unsigned char>(a)) == b; };
+    constexpr std::string_view word = "error", prefix = "ERROR: ";
+    std::string_view first;
+    while (!log.empty()) {
+        const size_t end = std::min(log.find('\n'), log.size());
+        std::string_view line = trim(log.substr(0, end));
+        log.remove_prefix(std::min(end + 1, log.size()));
+        if (line.starts_with(prefix)) return std::string(line.substr(prefix.size()));
+        if (!std::ranges::search(line, word, same).empty()) return std::string(line);
+        if (first.empty()) first = line;
+    }
+    return first.empty() ? "the compiler gives no reason" : std::string(first);
 }
 
 }  // namespace skinbench

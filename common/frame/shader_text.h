@@ -4,6 +4,7 @@
 
 #include <map>
 #include <string>
+#include <string_view>
 #include <utility>
 #include <vector>
 
@@ -37,5 +38,8 @@ struct ShaderRequest {
 // `#include "file"` and `#include NAME`, where the define NAME holds a quoted file, are compiled once a file. Line
 // numbers in compiler messages stay true: "3:17" is line 17 of the third file of the list in the text's second line.
 Result<ShaderText> shaderText(const ShaderLibrary& library, const ShaderRequest& request);
+
+// The first line of a compiler's log that names an error, since warnings may come before; else its first line.
+std::string firstError(std::string_view log);
 
 }  // namespace skinbench

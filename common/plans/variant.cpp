@@ -2,7 +2,9 @@
 
 #include <algorithm>
 #include <format>
+#include <map>
 
+#include "common/frame/check_plan.h"
 #include "common/scene/pose.h"
 
 namespace skinbench {
@@ -29,8 +31,6 @@ std::optional<PaletteBlocks> paletteBlocks(const Case& c, const PlanInput& input
     return blocks;
 }
 
-static std::string mebibytes(uint64_t bytes) { return std::format("{:.1f} MiB", static_cast<double>(bytes) / 1048576); }
-
 Result<FramePlan> makePlan(const Case& c, const PlanInput& input, const DeviceCaps& caps) {
     // Vertex, index and group numbers of all copies together are 32 bits, base vertices signed.
     const uint64_t largest = std::max<uint64_t>(input.encoded->vertexCount, input.scene->mesh.indices.size());
@@ -40,61 +40,21 @@ Result<FramePlan> makePlan(const Case& c, const PlanInput& input, const DeviceCa
                         input.encoded->vertexCount, input.scene->mesh.indices.size()));
     Result<FramePlan> plan = c.variant->plan(c, input, caps);
     if (!plan) return plan;
-    if (c.route->api == Api::cpu) return plan;
-    for (const Stream& stream : plan->streams) {
-        const uint64_t bytes = stream.bytes ? uint64_t{stream.bytes->size()} * stream.replicas : stream.gpuBytes;
-        const bool storage = stream.use & useStorage;
-        const uint64_t most = storage ? std::min(caps.maxStorageBytes, caps.maxBufferBytes) : caps.maxBufferBytes;
-        if (bytes > most)
-            return deviceError(std::format("needs a {}buffer of {} for {} copies: {} allows {}; use fewer copies",
-                                           storage ? "storage " : "", mebibytes(bytes), input.copies, caps.name,
-                                           mebibytes(most)));
-    }
-    if (plan->paletteRange > caps.maxUniformBytes)
-        return deviceError(std::format("needs a uniform block of {} bytes for {} joints: {} allows {}",
-                                       plan->paletteRange, plan->paletteRange / sizeof(PaletteEntry), caps.name,
-                                       caps.maxUniformBytes));
-    if (!plan->paletteRange && plan->paletteBytes > caps.maxStorageBytes)
-        return deviceError(std::format("needs a palette of {} for {} copies: {} allows {}; use fewer copies",
-                                       mebibytes(plan->paletteBytes), input.copies, caps.name,
-                                       mebibytes(caps.maxStorageBytes)));
-    if (caps.deviceBytes && planBytes(*plan) > caps.deviceBytes)
-        return deviceError(std::format("needs {} for {} copies: {} has {}; use fewer copies",
-                                       mebibytes(planBytes(*plan)), input.copies, caps.name,
-                                       mebibytes(caps.deviceBytes)));
+    if (c.route->api != Api::cpu) SKINBENCH_TRY(checkPlan(*plan, caps));
     return plan;
 }
 
 MemoryBytes memoryOfOneCopy(const FramePlan& plan, uint32_t copies) {
+    static const std::map<uint32_t, uint64_t MemoryBytes::*> kinds = {
+        {SLOT_VERTEX, &MemoryBytes::vertex},        {SLOT_TANGENT, &MemoryBytes::vertex},
+        {SLOT_INDEX, &MemoryBytes::index},          {SLOT_MESHLET, &MemoryBytes::meshlet},
+        {SLOT_MESHLET_DATA, &MemoryBytes::meshlet}, {SLOT_MESHLET_EXTRA, &MemoryBytes::additionalMeshlet},
+        {SLOT_TUPLE, &MemoryBytes::tuple},          {SLOT_SKINNED, &MemoryBytes::skinned},
+    };
     MemoryBytes memory;
-    for (const Stream& stream : plan.streams) {
-        const uint64_t bytes =
-            stream.bytes ? uint64_t{stream.bytes->size()} * stream.replicas / copies : stream.gpuBytes / copies;
-        switch (stream.slot) {
-            case SLOT_VERTEX:
-            case SLOT_TANGENT:
-                memory.vertex += bytes;
-                break;
-            case SLOT_INDEX:
-                memory.index += bytes;
-                break;
-            case SLOT_MESHLET:
-            case SLOT_MESHLET_DATA:
-                memory.meshlet += bytes;
-                break;
-            case SLOT_MESHLET_EXTRA:
-                memory.additionalMeshlet += bytes;
-                break;
-            case SLOT_TUPLE:
-                memory.tuple += bytes;
-                break;
-            case SLOT_SKINNED:
-                memory.skinned += bytes;
-                break;
-            default:
-                break;
-        }
-    }
+    for (const Stream& stream : plan.streams)
+        if (auto kind = kinds.find(stream.slot); kind != kinds.end())
+            memory.*kind->second += streamBytes(stream) / copies;
     memory.palette = plan.paletteBytes / copies;
     return memory;
 }

@@ -26,7 +26,7 @@ struct PlanInput {
 // Nothing when the device can run the case, else the reason as the user reads it.
 std::optional<std::string> unsupported(const Case& c, const DeviceCaps& caps);
 
-// Fails with the reason when a stream is larger than the device can bind.
+// Fails with the reason when the device cannot hold what the copies need.
 Result<FramePlan> makePlan(const Case& c, const PlanInput& input, const DeviceCaps& caps);
 
 // The uniform blocks that the palette of one copy is made of, `size` joints each; kNoJoint fills a place that nothing

@@ -1,0 +1,30 @@
+// What every backend asks before it does anything, so that one fault has one sentence on all of them, behind the plan's
+// label where it has one.
+#pragma once
+
+#include "common/frame/backend.h"
+
+namespace skinbench {
+
+// Fault::input for a plan that no device could run: slots, programs, attributes, passes, draws. Fault::device where
+// this one cannot: no such mesh stage, no timestamps, too large an image, stream, palette or draw, too little memory.
+Result<void> checkPlan(const FramePlan& plan, const DeviceCaps& caps);
+
+// What a backend keeps of a plan: no texts and no bytes, Stream::gpuBytes is the size of every stream.
+FramePlan planShape(const FramePlan& plan);
+
+bool drawsImage(const FramePlan& plan);
+const Stream* hostWrittenStream(const FramePlan& plan);  // null: there is none
+
+// Whether palettes and skinned bytes of every frame have the plan's sizes.
+Result<void> checkFrames(const FramePlan& plan, std::span<const FrameInput> frames);
+
+// Into FramePlan::streams.
+Result<size_t> streamOfSlot(const FramePlan& plan, uint32_t slot);
+
+// Whether plan `id` draws an image and was the last of its size to do so.
+Result<void> checkImage(const FramePlan& plan, PlanId id, PlanId lastOfSize);
+
+std::unexpected<Error> unknownPlan(PlanId id);  // Fault::input, as what checkFrames, streamOfSlot and checkImage refuse
+
+}  // namespace skinbench
