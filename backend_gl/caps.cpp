@@ -106,7 +106,7 @@ DeviceCaps queryCaps() {
                              (getUint(GL_SUBGROUP_SUPPORTED_FEATURES_KHR) & wanted) == wanted &&
                              has("GL_NV_mesh_shader");
     }
-    caps.meshDepthDiffers = caps.primitiveCullIgnored = caps.software;  // seen with Mesa 26.1
+    caps.meshDepthDiffers = caps.software;
     caps.subpixelBits = getUint(GL_SUBPIXEL_BITS);
     caps.maxImageSize = getUint(GL_MAX_TEXTURE_SIZE);
     caps.maxComputeSharedBytes = getUint(GL_MAX_COMPUTE_SHARED_MEMORY_SIZE);

@@ -138,7 +138,7 @@ Result<std::unique_ptr<Context>> openContext(EGLDisplay handle, bool debug) {
     if (!context->drawMeshTasksExt) context->caps.ext = {};
     if (!glDrawMeshTasksNV) context->caps.nv = {};
     setConstantState();
-    if (context->caps.ext.available) context->caps.lastMeshOutputLost = findLostOutput(context->drawMeshTasksExt);
+    if (context->caps.ext.available) findMeshFaults(context->drawMeshTasksExt, context->caps);
     if (debug) {
         glEnable(GL_DEBUG_OUTPUT);
         glEnable(GL_DEBUG_OUTPUT_SYNCHRONOUS);

@@ -25,22 +25,27 @@ layout(location = 0) out vec4 pixel;
 void main() { pixel = vec4(0); }
 )";
 
-// The values depend on a uniform and every component counts: a linker moves constants and unused outputs away.
+// The values depend on a uniform and every component counts: a linker moves constants and unused outputs away. The
+// second triangle is in front, of another value of `first`, and culled.
 const char* kOutputsMesh = R"(#version 450
 #extension GL_EXT_mesh_shader : require
 layout(local_size_x = 1) in;
-layout(triangles, max_vertices = 3, max_primitives = 1) out;
+layout(triangles, max_vertices = 6, max_primitives = 2) out;
 layout(location = 0) uniform float one;
 layout(location = 0) out vec4 first[];
 layout(location = 1) out vec4 second[];
 void main() {
-    SetMeshOutputsEXT(3, 1);
-    for (uint i = 0u; i < 3u; ++i) {
-        gl_MeshVerticesEXT[i].gl_Position = vec4(i == 1u ? 3.0 : -1.0, i == 2u ? 3.0 : -1.0, 0.5, 1.0);
-        first[i] = vec4(0.1, 0.2, 0.3, 0.4) * one;
+    SetMeshOutputsEXT(6, 2);
+    for (uint i = 0u; i < 6u; ++i) {
+        gl_MeshVerticesEXT[i].gl_Position =
+            vec4(i % 3u == 1u ? 3.0 : -1.0, i % 3u == 2u ? 3.0 : -1.0, i < 3u ? 0.5 : 0.25, 1.0);
+        first[i] = vec4(0.1, 0.2, 0.3, 0.4) * (i < 3u ? one : 2.0 * one);
         second[i] = vec4(0.5, 0.6, 0.7, 0.8) * one;
     }
     gl_PrimitiveTriangleIndicesEXT[0] = uvec3(0, 1, 2);
+    gl_PrimitiveTriangleIndicesEXT[1] = uvec3(3, 4, 5);
+    gl_MeshPrimitivesEXT[0].gl_CullPrimitiveEXT = false;
+    gl_MeshPrimitivesEXT[1].gl_CullPrimitiveEXT = true;
 }
 )";
 
@@ -96,7 +101,7 @@ Result<LinkedProgram> findStaleConstants(DrawMeshTasksExt drawMeshTasksExt, Prog
     return value[0] == kLast ? LinkedProgram{} : *linked;
 }
 
-bool findLostOutput(DrawMeshTasksExt drawMeshTasksExt) {
+void findMeshFaults(DrawMeshTasksExt drawMeshTasksExt, DeviceCaps& caps) {
     Program program;
     program.label = "outputs";
     program.stages = {{Stage::mesh, "outputs.mesh", kOutputsMesh}, {Stage::fragment, "outputs.frag", kOutputsFragment}};
@@ -114,8 +119,9 @@ bool findLostOutput(DrawMeshTasksExt drawMeshTasksExt) {
         glUseProgram(0);
     }
     dropGlErrors();
-    constexpr GLubyte kFirst = 64;  // 0.25, the mean of `first`; that of `second` is 0.65
-    return seen[0] == kFirst && seen[1] == 0;
+    constexpr GLubyte kFirst = 64, kCulled = 128;  // 0.25, the mean of `first`, and twice that; of `second` it is 0.65
+    caps.primitiveCullIgnored = seen[0] == kCulled;
+    caps.lastMeshOutputLost = (seen[0] == kFirst || seen[0] == kCulled) && seen[1] == 0;
 }
 
 }  // namespace skinbench

@@ -4,6 +4,7 @@
 #include "backend_gl/memory.h"
 #include "backend_gl/mesh_ext.h"
 #include "backend_gl/program.h"
+#include "common/frame/backend.h"
 
 namespace skinbench {
 
@@ -13,8 +14,8 @@ namespace skinbench {
 // cache.
 Result<LinkedProgram> findStaleConstants(DrawMeshTasksExt drawMeshTasksExt, ProgramCache& programs, Staging& staging);
 
-// DeviceCaps::lastMeshOutputLost: Mesa 26.1's llvmpipe has the fault. False too where the test draw fails;
-// findStaleConstants says why mesh shaders do not work then. Leaves no error and no binding behind.
-bool findLostOutput(DrawMeshTasksExt drawMeshTasksExt);
+// DeviceCaps::lastMeshOutputLost and primitiveCullIgnored: Mesa 26.1's llvmpipe has both. Neither is set where the test
+// draw fails; findStaleConstants says why mesh shaders do not work then. Leaves no error and no binding behind.
+void findMeshFaults(DrawMeshTasksExt drawMeshTasksExt, DeviceCaps& caps);
 
 }  // namespace skinbench

@@ -36,9 +36,8 @@ Defines meshDefines(const Case& c, const PlanInput& input, const DeviceCaps& cap
                     const Extra& extra) {
     Defines defines = caseDefines(c, input);
     auto set = [&](const char* name, uint64_t value) { setDefine(defines, name, std::to_string(value)); };
-    const bool glExt = c.route->api == Api::opengl && c.route->dialect == MeshDialect::ext;
     const bool shuffles = c.exchange == Exchange::automatic ? canShuffle(c, caps) : c.exchange == Exchange::shuffle;
-    set("SPARE_OUTPUT", glExt && caps.lastMeshOutputLost);
+    set("SPARE_OUTPUT", caps.lastMeshOutputLost);
     set("PACKED_WRITES", c.packedWrites);
     set("MESHLET_COUNT", input.meshlets->meshlets.size());
     set("MESHLET_DATA_WORDS", packed.data.size());
