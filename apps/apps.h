@@ -21,7 +21,6 @@ void warn(const std::string& text);
 // --- devices (devices.cpp) -------------------------------------------------------------------------------------
 
 std::vector<Api> graphicsApis();
-const char* apiName(Api api);
 Result<std::vector<DeviceCaps>> listDevices(Api api);
 
 // The backends that a run uses, one an API at the most.

@@ -42,7 +42,7 @@ Result<Probe> probe(const std::string& wanted) {
     for (Api api : graphicsApis()) {
         auto devices = listDevices(api);
         if (!devices || devices->empty()) {
-            found.missing.push_back(devices ? std::string(apiName(api)) + ": no device" : devices.error().text);
+            found.missing.push_back(devices ? std::string(namesOf(api).name) + ": no device" : devices.error().text);
             continue;
         }
         if (wanted.empty()) {
@@ -50,7 +50,7 @@ Result<Probe> probe(const std::string& wanted) {
         } else if (auto number = pickDevice(*devices, wanted)) {
             found.devices.push_back((*devices)[*number]);
         } else {
-            notFound += (notFound.empty() ? "" : "; ") + std::string(apiName(api)) + ": " + number.error().text;
+            notFound += (notFound.empty() ? "" : "; ") + std::string(namesOf(api).name) + ": " + number.error().text;
         }
     }
     if (!wanted.empty() && found.devices.empty()) return deviceError(notFound.empty() ? "no device" : notFound);
@@ -64,13 +64,13 @@ void printLimits(const char* name, const MeshLimitsOfDevice& limits) {
 }
 
 void printDevice(const DeviceCaps& caps) {
-    std::cout << std::format("{}: {}{}\n    {}, {}\n", apiName(caps.api), caps.name,
+    std::cout << std::format("{}: {}{}\n    {}, {}\n", namesOf(caps.api).name, caps.name,
                              caps.software ? " (software driver)" : "", caps.version, caps.driver);
     std::cout << std::format(
         "    timestamps: {} bits of {:g} ns; subgroup: {}; storage buffer: {} MiB; memory: {} MiB\n",
         caps.timestampBits, caps.timestampPeriodNs, caps.subgroupSize ? std::to_string(caps.subgroupSize) : "unknown",
         caps.maxStorageBytes >> 20, caps.deviceBytes >> 20);
-    const char* prefix = caps.api == Api::vulkan ? "VK" : "GL";
+    const char* prefix = namesOf(caps.api).prefix;
     printLimits(std::format("{}_EXT_mesh_shader", prefix).c_str(), caps.ext);
     printLimits(std::format("{}_NV_mesh_shader", prefix).c_str(), caps.nv);
     for (const Json& row : routesJson(caps))

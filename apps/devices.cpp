@@ -4,27 +4,33 @@
 
 namespace skinbench {
 
-std::vector<Api> graphicsApis() { return {Api::vulkan, Api::opengl}; }
+struct ApiRow {
+    Api api;
+    Result<std::vector<DeviceCaps>> (*list)();
+    Result<std::unique_ptr<Backend>> (*open)(const BackendOptions& options);
+};
 
-const char* apiName(Api api) {
-    switch (api) {
-        case Api::vulkan:
-            return "Vulkan";
-        case Api::opengl:
-            return "OpenGL";
-        case Api::cpu:
-            return "CPU";
-    }
-    return "?";
+static const std::vector<ApiRow>& apiRows() {
+    static const std::vector<ApiRow> rows = {
+        {.api = Api::vulkan, .list = listVulkanDevices, .open = openVulkan},
+        {.api = Api::opengl, .list = listGlDevices, .open = openGl},
+    };
+    return rows;
 }
 
-Result<std::vector<DeviceCaps>> listDevices(Api api) {
-    return api == Api::vulkan ? listVulkanDevices() : listGlDevices();
+static const ApiRow& rowOf(Api api) {
+    const auto row = std::ranges::find(apiRows(), api, &ApiRow::api);
+    SKINBENCH_ASSERT(row != apiRows().end());
+    return *row;
 }
 
-static Result<std::unique_ptr<Backend>> openBackend(Api api, const BackendOptions& options) {
-    return api == Api::vulkan ? openVulkan(options) : openGl(options);
+std::vector<Api> graphicsApis() {
+    std::vector<Api> apis;
+    for (const ApiRow& row : apiRows()) apis.push_back(row.api);
+    return apis;
 }
+
+Result<std::vector<DeviceCaps>> listDevices(Api api) { return rowOf(api).list(); }
 
 Result<Devices> openDevices(const std::vector<const Route*>& needed, const BackendOptions& options) {
     Devices devices;
@@ -33,7 +39,7 @@ Result<Devices> openDevices(const std::vector<const Route*>& needed, const Backe
     for (Api api : graphicsApis()) {
         if (std::ranges::none_of(needed, [&](const Route* route) { return route->api == api; })) continue;
         named = true;
-        auto backend = openBackend(api, options);
+        auto backend = rowOf(api).open(options);
         if (!backend) {
             devices.byApi[api].missing = backend.error().text;
             missing += (missing.empty() ? "" : "; ") + backend.error().text;

@@ -31,10 +31,11 @@ bool groupsTriangles(const Case& c) { return sharesJointLists(c) && c.ci.groupin
 // What is left to say of a row once its values are there.
 struct Row {
     std::string name;
-    AxisOption option;
+    AxisOption option{};
     Changes changes = Changes::plan;
     bool (*applies)(const Case&) = everyCase;
-    std::string noun{};  // in messages; empty: the name
+    std::string noun{};    // in messages; empty: the name
+    std::string define{};  // with the field as a number
 };
 
 Axis startAxis(const Row& row) {
@@ -47,6 +48,7 @@ Axis startAxis(const Row& row) {
     }
     axis.changes = row.changes;
     axis.applies = row.applies;
+    axis.define = row.define;
     return axis;
 }
 
@@ -75,6 +77,7 @@ Axis wordAxis(const Row& row, std::vector<Word<Value>> table, Value& (*field)(Ca
     };
     axis.usual = find(Case{}).word;
     axis.get = [find](const Case& c) { return std::string(find(c).word); };
+    axis.defineValue = [find](const Case& c) { return std::to_string(static_cast<int>(find(c).value)); };
     axis.set = [table, field, noun = nounOf(row), there = joined(axis.words)](Case& c, const std::string& text) {
         const auto word = std::ranges::find(table, text, &Word<Value>::word);
         if (word == table.end())
@@ -113,7 +116,7 @@ Axis numberAxis(const Row& row, const Numbers& numbers, Value& (*field)(Case&)) 
     Axis axis = startAxis(row);
     auto get = [field](const Case& c) { return std::to_string(field(const_cast<Case&>(c))); };
     axis.usual = get(Case{});
-    axis.get = get;
+    axis.get = axis.defineValue = get;
     axis.set = [numbers, field, noun = nounOf(row)](Case& c, const std::string& text) {
         const auto value = text.empty() ? std::nullopt : numberOf(text, numbers);
         if (!value)
@@ -166,8 +169,8 @@ Axis rowAxis(const Row& row, const std::vector<Table>& table, const std::string&
 
 // Rows of codecs(), or any other that findCodec knows, but for those that follow from where the joints are.
 Axis codecAxis() {
-    Axis axis = rowAxis<Codec>({"codec", {"codecs", {}, ""}, Changes::encoding}, codecs(), "uc",
-                               [](Case& c) -> const Codec*& { return c.codec; });
+    Axis axis = rowAxis<Codec>({.name = "codec", .option = {.name = "codecs"}, .changes = Changes::encoding}, codecs(),
+                               "uc", [](Case& c) -> const Codec*& { return c.codec; });
     axis.set = [there = joined(axis.words)](Case& c, const std::string& text) {
         const Codec* const codec = findCodec(text);
         const bool follows =
@@ -204,8 +207,10 @@ std::string limitsText(const MeshletLimits& limits, char separator) {
 }
 
 Axis limitsAxis() {
-    Axis axis = startAxis(
-        {"meshlet_limits", {"meshlets", {}, ", or VERTICES/TRIANGLES at the most"}, Changes::meshlets, onMeshRoute});
+    Axis axis = startAxis({.name = "meshlet_limits",
+                           .option = {.name = "meshlets", .help = ", or VERTICES/TRIANGLES at the most"},
+                           .changes = Changes::meshlets,
+                           .applies = onMeshRoute});
     for (const auto& named : kLimits) axis.words.push_back(named.word);
     axis.usual = limitsText({}, '/');
     axis.get = [](const Case& c) { return limitsText(c.limits, '/'); };
@@ -256,7 +261,7 @@ std::string flagsOf(const Case& c) {
 
 Axis computeAxis() {
     Axis axis = startAxis(
-        {"compute", {"compute", {}, "; of the variant compute, joined with +"}, Changes::plan, skinsInCompute});
+        {.name = "compute", .option = {.help = "; of the variant compute, joined with +"}, .applies = skinsInCompute});
     axis.words = {"plain"};
     for (const Flag& flag : kComputeFlags) axis.words.push_back(flag.name);
     axis.usual = "plain";
@@ -278,7 +283,7 @@ Axis computeAxis() {
 
 // Where attributes cannot carry the codec there is one way left.
 Axis fetchAxis() {
-    Axis axis = wordAxis<VertexFetch>({"vertex_fetch", {"", {}, ""}, Changes::plan, fetches},
+    Axis axis = wordAxis<VertexFetch>({.name = "vertex_fetch", .applies = fetches, .define = "FETCH_PULL"},
                                       {{"attributes", VertexFetch::attributes}, {"pull", VertexFetch::pull, "pull"}},
                                       [](Case& c) -> VertexFetch& { return c.fetch; });
     axis.unnamed = [words = axis.words](const Case& c) {
@@ -303,117 +308,155 @@ Axis asShape(Axis axis) {
     return axis;
 }
 
-Axis besideOf(const char* other, Axis axis) {
-    axis.beside = other;
-    return axis;
-}
-
 // --- the table -------------------------------------------------------------------------------------------------
 
-void addRows(std::vector<Axis>& rows) {
-    rows.push_back(same(rowAxis<Route>({"route", {"routes", {}, ", or auto"}, Changes::plan}, routes(), "",
-                                       [](Case& c) -> const Route*& { return c.route; })));
-    rows.push_back(rowAxis<Variant>({"variant", {"variants", {}, ""}, Changes::plan}, variants(), "",
+// What is drawn, where, from which vertices and meshlets: the path of an id.
+void addPath(std::vector<Axis>& rows) {
+    rows.push_back(same(rowAxis<Route>({.name = "route", .option = {.name = "routes", .help = ", or auto"}}, routes(),
+                                       "", [](Case& c) -> const Route*& { return c.route; })));
+    rows.push_back(rowAxis<Variant>({.name = "variant", .option = {.name = "variants"}}, variants(), "",
                                     [](Case& c) -> const Variant*& { return c.variant; }));
     rows.back().ofLimit = "none";
     rows.push_back(codecAxis());
-    rows.push_back(same(rowAxis<Builder>({"builder", {"builders", {}, ""}, Changes::meshlets, onMeshRoute}, builders(),
-                                         "meshopt", [](Case& c) -> const Builder*& { return c.builder; })));
-    rows.push_back(
-        same(rowAxis<MeshletLayout>({"layout", {"layouts", {}, ""}, Changes::plan, onMeshRoute}, meshletLayouts(),
-                                    "redirect", [](Case& c) -> const MeshletLayout*& { return c.layout; })));
+    rows.push_back(same(rowAxis<Builder>(
+        {.name = "builder", .option = {.name = "builders"}, .changes = Changes::meshlets, .applies = onMeshRoute},
+        builders(), "meshopt", [](Case& c) -> const Builder*& { return c.builder; })));
+    rows.push_back(same(rowAxis<MeshletLayout>(
+        {.name = "layout", .option = {.name = "layouts"}, .applies = onMeshRoute}, meshletLayouts(), "redirect",
+        [](Case& c) -> const MeshletLayout*& { return c.layout; })));
+}
+
+void addMeshStage(std::vector<Axis>& rows) {
     rows.push_back(limitsAxis());
     rows.push_back(
-        same(numberAxis<uint32_t>({"group_size",
-                                   {"", {}, "invocations of a mesh work group"},
-                                   Changes::plan,
-                                   onMeshRoute,
-                                   "mesh work group size"},
+        same(numberAxis<uint32_t>({.name = "group_size",
+                                   .option = {.help = "invocations of a mesh work group"},
+                                   .applies = onMeshRoute,
+                                   .noun = "mesh work group size",
+                                   .define = "GROUP_SIZE"},
                                   {1, 1024, "group-", ""}, [](Case& c) -> uint32_t& { return c.groupSize; })));
-    rows.push_back(same(wordAxis<bool>({"index_writes", {"", {}, ", on NV routes"}, Changes::plan, onNvRoute},
-                                       {{"packed", true}, {"single", false, "unpacked-writes"}},
-                                       [](Case& c) -> bool& { return c.packedWrites; })));
+    rows.push_back(same(wordAxis<bool>(
+        {.name = "index_writes", .option = {.help = ", on NV routes"}, .applies = onNvRoute, .define = "PACKED_WRITES"},
+        {{"packed", true}, {"single", false, "unpacked-writes"}}, [](Case& c) -> bool& { return c.packedWrites; })));
+}
+
+// The variant `mesh-ci`.
+void addCommonInfluences(std::vector<Axis>& rows) {
     rows.push_back(
-        wordAxis<CiGrouping>({"ci_grouping", {"", {}, ", of mesh-ci"}, Changes::records, sharesJointLists},
+        wordAxis<CiGrouping>({.name = "ci_grouping",
+                              .option = {.help = ", of mesh-ci"},
+                              .changes = Changes::records,
+                              .applies = sharesJointLists},
                              {{ciGroupingName(CiGrouping::meshlets), CiGrouping::meshlets},
                               {ciGroupingName(CiGrouping::triangles), CiGrouping::triangles, "ci-triangles"}},
                              [](Case& c) -> CiGrouping& { return c.ci.grouping; }));
-    rows.push_back(
-        besideOf("ci_grouping",
-                 wordAxis<CiKey>({"ci_key", {"", {}, ", of grouping triangles"}, Changes::records, groupsTriangles},
-                                 {{ciKeyName(CiKey::fit), CiKey::fit},
-                                  {ciKeyName(CiKey::set), CiKey::set, "ci-set"},
-                                  {ciKeyName(CiKey::ordered), CiKey::ordered, "ci-ordered"}},
-                                 [](Case& c) -> CiKey& { return c.ci.key; })));
-    rows.push_back(numberAxis<uint32_t>(
-        {"ci_min", {"", {}, "fewest vertices of a common meshlet or group"}, Changes::records, sharesJointLists},
-        {0, UINT32_MAX, "ci-min-", ""}, [](Case& c) -> uint32_t& { return c.ci.minVertices; }));
-    rows.push_back(wordAxis<bool>({"ci_vertices", {"", {}, ", of mesh-ci"}, Changes::encoding, sharesJointLists},
+    rows.push_back(wordAxis<CiKey>({.name = "ci_key",
+                                    .option = {.help = ", of grouping triangles"},
+                                    .changes = Changes::records,
+                                    .applies = groupsTriangles},
+                                   {{ciKeyName(CiKey::fit), CiKey::fit},
+                                    {ciKeyName(CiKey::set), CiKey::set, "ci-set"},
+                                    {ciKeyName(CiKey::ordered), CiKey::ordered, "ci-ordered"}},
+                                   [](Case& c) -> CiKey& { return c.ci.key; }));
+    rows.back().beside = "ci_grouping";
+    rows.push_back(numberAxis<uint32_t>({.name = "ci_min",
+                                         .option = {.help = "fewest vertices of a common meshlet or group"},
+                                         .changes = Changes::records,
+                                         .applies = sharesJointLists},
+                                        {0, UINT32_MAX, "ci-min-", ""},
+                                        [](Case& c) -> uint32_t& { return c.ci.minVertices; }));
+    rows.push_back(wordAxis<bool>({.name = "ci_vertices",
+                                   .option = {.help = ", of mesh-ci"},
+                                   .changes = Changes::encoding,
+                                   .applies = sharesJointLists},
                                   {{"slim", false}, {"fat", true, "fat"}}, [](Case& c) -> bool& { return c.ci.fat; }));
-    rows.push_back(asShape(wordAxis<JointSource>(
-        {"joints", {"", {}, ": where meshlet vertices name joints"}, Changes::encoding, choosesJoints, "joint source"},
-        {{"vertex", JointSource::vertex},
-         {"meshlet", JointSource::meshlet, "joints-meshlet"},
-         {"staged", JointSource::staged, "joints-staged"}},
-        [](Case& c) -> JointSource& { return c.shape.joints; })));
-    rows.push_back(
-        asShape(wordAxis<bool>({"loads", {"", {}, ", of mesh stages"}, Changes::plan, onMeshRoute, "kind of loads"},
-                               {{"guarded", false}, {"clamped", true, "clamped-loads"}},
-                               [](Case& c) -> bool& { return c.shape.clampedLoads; })));
-    rows.push_back(asShape(
-        wordAxis<bool>({"records", {"", {}, ", of mesh stages"}, Changes::records, onMeshRoute, "order of records"},
-                       {{"indexed", false}, {"ordered", true, "ordered-records"}},
-                       [](Case& c) -> bool& { return c.shape.orderedRecords; })));
+}
+
+// Shapes of the mesh shader.
+void addShapes(std::vector<Axis>& rows) {
+    rows.push_back(asShape(wordAxis<JointSource>({.name = "joints",
+                                                  .option = {.help = ": where meshlet vertices name joints"},
+                                                  .changes = Changes::encoding,
+                                                  .applies = choosesJoints,
+                                                  .noun = "joint source",
+                                                  .define = "JOINTS"},
+                                                 {{"vertex", JointSource::vertex},
+                                                  {"meshlet", JointSource::meshlet, "joints-meshlet"},
+                                                  {"staged", JointSource::staged, "joints-staged"}},
+                                                 [](Case& c) -> JointSource& { return c.shape.joints; })));
+    rows.push_back(asShape(wordAxis<bool>({.name = "loads",
+                                           .option = {.help = ", of mesh stages"},
+                                           .applies = onMeshRoute,
+                                           .noun = "kind of loads",
+                                           .define = "CLAMPED_LOADS"},
+                                          {{"guarded", false}, {"clamped", true, "clamped-loads"}},
+                                          [](Case& c) -> bool& { return c.shape.clampedLoads; })));
+    rows.push_back(asShape(wordAxis<bool>({.name = "records",
+                                           .option = {.help = ", of mesh stages"},
+                                           .changes = Changes::records,
+                                           .applies = onMeshRoute,
+                                           .noun = "order of records",
+                                           .define = "RECORDS_ORDERED"},
+                                          {{"indexed", false}, {"ordered", true, "ordered-records"}},
+                                          [](Case& c) -> bool& { return c.shape.orderedRecords; })));
     rows.back().ofLimit = "ordered";  // so that no vertex id is fetched
-    rows.push_back(asShape(wordAxis<bool>({"palette",
-                                           {"palette-buffer", {"palette"}, ", of mesh stages"},
-                                           Changes::plan,
-                                           skinsMeshlets,
-                                           "palette buffer"},
-                                          {{"storage", false}, {"uniform", true, "uniform-palette"}},
-                                          [](Case& c) -> bool& { return c.shape.uniformPalette; })));
-    rows.push_back(numberAxis<uint32_t>({"palette_slots",
-                                         {"", {"slots"}, "joints of one draw of the variant palette"},
-                                         Changes::records,
-                                         usesPartition},
-                                        {1, UINT16_MAX, "slots-", "", true},
-                                        [](Case& c) -> uint32_t& { return c.paletteSlots; }));
+    rows.push_back(asShape(
+        wordAxis<bool>({.name = "palette",
+                        .option = {.name = "palette-buffer", .aliases = {"palette"}, .help = ", of mesh stages"},
+                        .applies = skinsMeshlets,
+                        .noun = "palette buffer"},
+                       {{"storage", false}, {"uniform", true, "uniform-palette"}},
+                       [](Case& c) -> bool& { return c.shape.uniformPalette; })));
+}
+
+void addDraws(std::vector<Axis>& rows) {
+    rows.push_back(
+        numberAxis<uint32_t>({.name = "palette_slots",
+                              .option = {.aliases = {"slots"}, .help = "joints of one draw of the variant palette"},
+                              .changes = Changes::records,
+                              .applies = usesPartition},
+                             {1, UINT16_MAX, "slots-", "", true}, [](Case& c) -> uint32_t& { return c.paletteSlots; }));
     rows.push_back(computeAxis());
-    rows.push_back(same(wordAxis<int>({"influences", {}, Changes::scene}, {{"4", 4}, {"8", 8, "8-influences"}},
-                                      [](Case& c) -> int& { return c.influences; })));
+    rows.push_back(
+        same(wordAxis<int>({.name = "influences", .changes = Changes::scene, .define = "INFLUENCES"},
+                           {{"4", 4}, {"8", 8, "8-influences"}}, [](Case& c) -> int& { return c.influences; })));
     rows.back().changesPicture = true;
     rows.push_back(fetchAxis());
     rows.push_back(
-        same(wordAxis<Submission>({"submission", {}, Changes::plan, draws},
+        same(wordAxis<Submission>({.name = "submission", .applies = draws, .define = "BATCHED"},
                                   {{"per-copy", Submission::perCopy}, {"batched", Submission::batched, "batched"}},
                                   [](Case& c) -> Submission& { return c.submission; })));
-    rows.push_back(same(wordAxis<bool>({"back_faces", {"", {}, ", by the rasteriser"}, Changes::plan, draws},
-                                       {{"culled", false}, {"kept", true, "keep-back-faces"}},
-                                       [](Case& c) -> bool& { return c.keepBackFaces; })));
-    rows.push_back(topLevel(
-        wordAxis<Cull>({"cull", {"", {}, ": back faces, in the mesh stage"}, Changes::plan, skinsMeshlets, "culling"},
-                       {{"off", Cull::off},
-                        {"compact", Cull::compact, "cull-compact"},
-                        {"primitive", Cull::primitive, "cull-primitive"},
-                        {"torabi", Cull::torabi, "cull-torabi"}},
-                       [](Case& c) -> Cull& { return c.cull; })));
-    rows.push_back(besideOf(
-        "cull", wordAxis<Exchange>(
-                    {"exchange", {"", {}, ": how culling lanes see each other's positions"}, Changes::plan, culls},
-                    {{"auto", Exchange::automatic},
-                     {"shuffle", Exchange::shuffle, "shuffle"},
-                     {"shared", Exchange::shared, "shared"}},
-                    [](Case& c) -> Exchange& { return c.exchange; })));
+    rows.push_back(same(wordAxis<bool>(
+        {.name = "back_faces", .option = {.help = ", by the rasteriser"}, .applies = draws},
+        {{"culled", false}, {"kept", true, "keep-back-faces"}}, [](Case& c) -> bool& { return c.keepBackFaces; })));
+    rows.push_back(topLevel(wordAxis<Cull>({.name = "cull",
+                                            .option = {.help = ": back faces, in the mesh stage"},
+                                            .applies = skinsMeshlets,
+                                            .noun = "culling",
+                                            .define = "CULL"},
+                                           {{"off", Cull::off},
+                                            {"compact", Cull::compact, "cull-compact"},
+                                            {"primitive", Cull::primitive, "cull-primitive"},
+                                            {"torabi", Cull::torabi, "cull-torabi"}},
+                                           [](Case& c) -> Cull& { return c.cull; })));
+    rows.push_back(wordAxis<Exchange>(
+        {.name = "exchange", .option = {.help = ": how culling lanes see each other's positions"}, .applies = culls},
+        {{"auto", Exchange::automatic},
+         {"shuffle", Exchange::shuffle, "shuffle"},
+         {"shared", Exchange::shared, "shared"}},
+        [](Case& c) -> Exchange& { return c.exchange; }));
+    rows.back().beside = "cull";
     rows.push_back(
-        topLevel(wordAxis<Scenario>({"scenario", {}, Changes::plan, prepasses},
+        topLevel(wordAxis<Scenario>({.name = "scenario", .applies = prepasses},
                                     {{"direct", Scenario::direct}, {"prepass", Scenario::prepass, "prepass"}},
                                     [](Case& c) -> Scenario& { return c.scenario; })));
-    rows.push_back(topLevel(same(wordAxis<RasterMode>({"raster", {}, Changes::raster, draws, "raster mode"},
-                                                      {{"full", RasterMode::full},
-                                                       {"no-fragments", RasterMode::noFragments, "no-fragments"},
-                                                       {"discard", RasterMode::discard, "discard"}},
-                                                      [](Case& c) -> RasterMode& { return c.raster; }))));
-    rows.push_back(wordAxis<View>({"view", {}, Changes::plan, draws},
+    rows.push_back(topLevel(same(
+        wordAxis<RasterMode>({.name = "raster", .changes = Changes::raster, .applies = draws, .noun = "raster mode"},
+                             {{"full", RasterMode::full},
+                              {"no-fragments", RasterMode::noFragments, "no-fragments"},
+                              {"discard", RasterMode::discard, "discard"}},
+                             [](Case& c) -> RasterMode& { return c.raster; }))));
+    rows.push_back(wordAxis<View>({.name = "view", .applies = draws, .define = "VIEW"},
                                   {{"shaded", View::shaded},
                                    {"meshlets", View::meshlets, "view-meshlets"},
                                    {"weights", View::weights, "view-weights"},
@@ -435,7 +478,11 @@ const char* changesName(Changes changes) {
 std::vector<Axis>& axisTable() {
     static std::vector<Axis> rows = [] {
         std::vector<Axis> table;
-        addRows(table);
+        addPath(table);
+        addMeshStage(table);
+        addCommonInfluences(table);
+        addShapes(table);
+        addDraws(table);
         return table;
     }();
     return rows;

@@ -24,9 +24,9 @@ const char* changesName(Changes changes);
 
 // An option of the command line; older spellings stay as aliases.
 struct AxisOption {
-    std::string name;                  // "vertex-fetch" is --vertex-fetch A,B,…
-    std::vector<std::string> aliases;  // "palette"
-    std::string help;                  // follows the list of words
+    std::string name{};                  // "vertex-fetch" is --vertex-fetch A,B,…; empty: the axis' name
+    std::vector<std::string> aliases{};  // "palette"
+    std::string help{};                  // follows the list of words
 };
 
 struct Axis {
@@ -35,6 +35,7 @@ struct Axis {
     Changes changes = Changes::plan;
     std::vector<std::string> words;  // every value, where they can be listed; numbers may have others
     std::string usual;               // the value of a case that names none
+    std::string define;              // what shaders see of it, everywhere; empty: nothing
     bool inPath = false;             // a part of the id between slashes, not an option behind a plus
     bool topLevel = false;           // a key of the case itself in result files, else of its `options`
     bool benched = true;             // an option of bench and verify
@@ -48,6 +49,7 @@ struct Axis {
     std::function<std::string(const Case&)> get;
     // An unknown word is an input error that lists what there is.
     std::function<Result<void>(Case&, const std::string&)> set;
+    std::function<std::string(const Case&)> defineValue;
     // What a crossing takes where the command line names nothing.
     std::function<std::vector<std::string>(const Case&)> unnamed;
     // The option as ids write it, "unpacked-writes", with several joined by plus; empty: the usual one.
@@ -69,6 +71,9 @@ std::string keyOf(const Case& c, Changes upTo);
 
 // What all cases that must draw one picture share. Raster modes and limits apart.
 std::string pictureOf(const Case& c);
+
+// The defines of every axis that has one.
+Defines definesOf(const Case& c);
 
 // Whether the case's vertex records are the scene's own vertices.
 bool storesSceneVertices(const Case& c);

@@ -65,6 +65,13 @@ std::string pictureOf(const Case& c) {
     return key;
 }
 
+Defines definesOf(const Case& c) {
+    Defines defines;
+    for (const Axis& axis : axes())
+        if (!axis.define.empty()) defines.emplace_back(axis.define, axis.defineValue(c));
+    return defines;
+}
+
 std::string caseId(const Case& c) {
     std::string path, options;
     for (const Axis& axis : axes()) {

@@ -100,6 +100,7 @@ static Result<EncodedMesh> encode(const Case& c, const Mesh& mesh, const PlanInp
 Result<PlanInput> planInput(Workload& workload, const Case& c) {
     PlanInput input;
     input.shaders = &workload.shaders;
+    input.defines = definesOf(c);
     input.copies = workload.settings.copies;
     input.width = workload.settings.width;
     input.height = workload.settings.height;

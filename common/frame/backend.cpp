@@ -6,6 +6,11 @@
 
 namespace skinbench {
 
+const ApiNames& namesOf(Api api) {
+    static constexpr ApiNames rows[] = {{"Vulkan", "vulkan", "VK"}, {"OpenGL", "opengl", "GL"}, {"CPU", "cpu", ""}};
+    return rows[static_cast<size_t>(api)];
+}
+
 const char* stageName(Stage stage) {
     constexpr std::array names = {"vertex", "fragment", "compute", "task", "mesh"};
     return names[static_cast<size_t>(stage)];

@@ -32,6 +32,14 @@ namespace skinbench {
 
 enum class Api { vulkan, opengl, cpu };
 
+// What an API is called.
+struct ApiNames {
+    const char* name;    // for people: "Vulkan"
+    const char* key;     // in files: "vulkan"
+    const char* prefix;  // of its extensions: "VK"
+};
+const ApiNames& namesOf(Api api);
+
 // Which extension's dialect the mesh stages of a plan are written in.
 enum class MeshDialect { none, ext, nv };
 

@@ -96,7 +96,7 @@ Result<uint64_t> mostOfDraw(const FramePlan& plan, const Pass& pass, const Devic
     if (plan.dialect == MeshDialect::none) return inputError("draws meshlets in no dialect");
     const MeshLimitsOfDevice& limits = meshLimits(caps, plan.dialect);
     if (!limits.available)
-        return deviceError(std::format("{} has no {}_{}_mesh_shader", caps.name, caps.api == Api::vulkan ? "VK" : "GL",
+        return deviceError(std::format("{} has no {}_{}_mesh_shader", caps.name, namesOf(caps.api).prefix,
                                        plan.dialect == MeshDialect::nv ? "NV" : "EXT"));
     if (hasStage(plan.programs[pass.program], Stage::task) && !limits.taskStages)
         return deviceError(caps.name + " has no task stages");

@@ -21,14 +21,11 @@ Defines caseDefines(const Case& c, const PlanInput& input) {
     const bool prepass = c.scenario == Scenario::prepass;
     Defines defines = {
         {"CODEC_FILE", std::string("\"") + storedCodec(c).shader + "\""},
-        {"INFLUENCES", std::to_string(c.influences)},
         {"SKINNING", c.variant->skins ? "1" : "0"},
         {"VERTEX_COUNT", std::to_string(input.encoded->vertexCount)},
         {"JOINT_COUNT", std::to_string(usesPartition(c) ? c.paletteSlots : input.scene->skeleton.joints.size())},
         {"COPY_COUNT", std::to_string(input.copies)},
         {"LAST_COPY", std::to_string(input.copies - 1)},
-        {"BATCHED", c.submission == Submission::batched ? "1" : "0"},
-        {"FETCH_PULL", c.fetch == VertexFetch::pull ? "1" : "0"},
         {"PALETTE_UNIFORM", c.shape.uniformPalette || usesPartition(c) ? "1" : "0"},
         {"STAGED_JOINTS", "0"},
         {"EARLY_EXIT", c.compute.earlyExit ? "1" : "0"},
@@ -41,9 +38,9 @@ Defines caseDefines(const Case& c, const PlanInput& input) {
         {"DEPTH_ONLY", "0"},
         {"REUSE_SKINNED", "0"},
         {"CAPTURE", input.capture ? "1" : "0"},
-        {"VIEW", std::to_string(static_cast<int>(c.view))},
         {"SPARE_OUTPUT", "0"},
     };
+    defines.insert(defines.end(), input.defines.begin(), input.defines.end());
     defines.insert(defines.end(), input.encoded->defines.begin(), input.encoded->defines.end());
     return defines;
 }

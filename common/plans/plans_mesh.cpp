@@ -38,7 +38,6 @@ Defines meshDefines(const Case& c, const PlanInput& input, const DeviceCaps& cap
     auto set = [&](const char* name, uint64_t value) { setDefine(defines, name, std::to_string(value)); };
     const bool shuffles = c.exchange == Exchange::automatic ? canShuffle(c, caps) : c.exchange == Exchange::shuffle;
     set("SPARE_OUTPUT", caps.lastMeshOutputLost);
-    set("PACKED_WRITES", c.packedWrites);
     set("MESHLET_COUNT", input.meshlets->meshlets.size());
     set("MESHLET_DATA_WORDS", packed.data.size());
     set("MESHLET_WORDS", packed.fixedWords);
@@ -46,15 +45,10 @@ Defines meshDefines(const Case& c, const PlanInput& input, const DeviceCaps& cap
     set("MESHLET_VERTICES", c.limits.vertices);
     // Packed index writes store four triangles at a time, so the declared limit covers whole groups of four.
     set("MESHLET_TRIANGLES", (c.limits.triangles + 3) / 4 * 4);
-    set("GROUP_SIZE", c.groupSize);
     set("LAYOUT_FIXED", packed.fixedWords > 0);
-    set("RECORDS_ORDERED", c.shape.orderedRecords);
-    set("CLAMPED_LOADS", c.shape.clampedLoads);
-    set("JOINTS", static_cast<uint32_t>(c.shape.joints));
     set("STAGED_JOINTS", extra.stagedJoints);
     set("COMMON_INFLUENCES", sharesJointLists(c));
     set("COMMON_MESHLETS", input.records ? input.records->commonMeshlets : 0);
-    set("CULL", static_cast<uint32_t>(c.cull));
     set("EXCHANGE_SHUFFLE", c.cull == Cull::compact && shuffles);
     set("SUBPIXELS", 1u << std::max(caps.subpixelBits, kLeastSubpixelBits));
     set("IMAGE_WIDTH", input.width);

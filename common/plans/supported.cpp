@@ -33,7 +33,7 @@ static std::optional<std::string> unsupportedOptions(const Case& c, const Device
 
 static std::optional<std::string> unsupportedMeshlets(const Case& c, const DeviceCaps& caps) {
     const MeshLimitsOfDevice& limits = meshLimits(caps, c.route->dialect);
-    const char* prefix = c.route->api == Api::vulkan ? "VK" : "GL";
+    const char* prefix = namesOf(c.route->api).prefix;
     const char* vendor = c.route->dialect == MeshDialect::nv ? "NV" : "EXT";
     if (!limits.available) return std::format("{} has no {}_{}_mesh_shader", caps.name, prefix, vendor);
     if (c.limits.vertices > limits.maxVertices)

@@ -13,6 +13,7 @@ namespace skinbench {
 // What a variant is fed: everything that does not depend on the API.
 struct PlanInput {
     const ShaderLibrary* shaders = nullptr;
+    Defines defines;                   // of the case's options
     const Scene* scene = nullptr;      // prepared for the case's number of influences
     const Records* records = nullptr;  // null: the scene's vertices are stored as they are
     const EncodedMesh* encoded = nullptr;

@@ -63,7 +63,7 @@ static Json meshLimitsJson(const MeshLimitsOfDevice& limits) {
 }
 
 Json capsJson(const DeviceCaps& caps) {
-    return {{"route_api", caps.api == Api::vulkan ? "vulkan" : "opengl"},
+    return {{"route_api", namesOf(caps.api).key},
             {"name", caps.name},
             {"driver", caps.driver},
             {"software", caps.software},
