@@ -87,6 +87,9 @@ Result<std::pair<uint32_t, uint32_t>> parseSize(const std::string& text);
 // Loads the scene and the shaders, prints the scene's warnings to standard error.
 Result<Workload> openWorkload(const std::string& scene, const WorkloadSettings& settings);
 
+// Empty, or the sentence that says how many vertices the first frame leaves out.
+std::string viewWarning(Workload& workload, int influences);
+
 // --- running cases (running.cpp) -------------------------------------------------------------------------------
 
 // The first SIGINT or SIGTERM ends the run after the current case; another one, more than a second later, at once.

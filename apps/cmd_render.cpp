@@ -65,6 +65,7 @@ Result<Image> render(RenderOptions options) {
     if (!open.backend) return deviceError(open.missing);
     auto workload = openWorkload(options.selectors.scene, *settings);
     SKINBENCH_TRY(workload);
+    if (const std::string outside = viewWarning(*workload, c.influences); !outside.empty()) warn(outside);
     return renderImage(*workload, c, *open.backend);
 }
 

@@ -142,4 +142,13 @@ Result<Workload> openWorkload(const std::string& name, const WorkloadSettings& s
     return makeWorkload(std::move(*scene), std::move(*shaders), settings);
 }
 
+std::string viewWarning(Workload& workload, int influences) {
+    const auto share = shareOutOfView(workload, influences);
+    if (!share || *share == 0) return {};
+    return std::format(
+        "{}: {:.3g} % of the vertices leave the image in the first frame, so that their triangles are not "
+        "all rasterised",
+        workload.stored.name, *share * 100);
+}
+
 }  // namespace skinbench

@@ -38,16 +38,4 @@ FrameConstants frameConstants(const Framing& framing, uint32_t frame) {
     return constants;
 }
 
-Bounds clipBounds(const Scene& scene, const Clip* clip) {
-    const int samples = clip && clip->duration > 0 ? 8 : 1;
-    Bounds bounds = posedBounds(scene.mesh, poseScene(scene, clip, 0));
-    for (int i = 1; i < samples; ++i) {
-        const float seconds = clip->duration * static_cast<float>(i) / static_cast<float>(samples);
-        const Bounds posed = posedBounds(scene.mesh, poseScene(scene, clip, seconds));
-        bounds.min = glm::min(bounds.min, posed.min);
-        bounds.max = glm::max(bounds.max, posed.max);
-    }
-    return bounds;
-}
-
 }  // namespace skinbench

@@ -18,8 +18,4 @@ struct Framing {
 // `frame` is the number that FrameConstants carries.
 FrameConstants frameConstants(const Framing& framing, uint32_t frame);
 
-// The bounds of a whole clip (sampled 8 times), so that an animated character stays in view; of the rest pose for a
-// null clip.
-Bounds clipBounds(const Scene& scene, const Clip* clip);
-
 }  // namespace skinbench

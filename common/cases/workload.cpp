@@ -1,8 +1,12 @@
 #include "common/cases/workload.h"
 
 #include <algorithm>
+#include <cmath>
 #include <cstring>
 #include <format>
+
+#include "common/scene/clip_bounds.h"
+#include "common/scene/skin_cpu.h"
 
 namespace skinbench {
 
@@ -27,6 +31,22 @@ const Clip* chosenClip(const Workload& workload) {
     return clip == clips.end() ? nullptr : &*clip;
 }
 
+// When `phase` of the frame that is drawn `frame` frames after the first is posed.
+static float momentOf(const WorkloadSettings& settings, const Clip* clip, uint32_t phase, uint32_t frame) {
+    const double offset = clip ? clip->duration * (phase / static_cast<double>(kPhases)) : 0;
+    return static_cast<float>(settings.seconds + (settings.animated ? frame / 60.0 : 0) + offset);
+}
+
+// Of the frames that a run draws first; later ones repeat the clip.
+static std::vector<float> drawnMoments(const WorkloadSettings& settings, const Clip* clip) {
+    constexpr uint32_t kFrames = 120;
+    std::vector<float> moments;
+    for (uint32_t frame = 0; frame < (settings.animated ? kFrames : 1); ++frame)
+        for (uint32_t phase = 0; phase < std::min(settings.copies, kPhases); ++phase)
+            moments.push_back(momentOf(settings, clip, phase, frame));
+    return moments;
+}
+
 Result<const Scene*> sceneFor(Workload& workload, int influences) {
     std::unique_ptr<Scene>& kept = workload.prepared[influences];
     if (!kept) {
@@ -35,7 +55,8 @@ Result<const Scene*> sceneFor(Workload& workload, int influences) {
         Result<Scene> scene = prepareScene(workload.stored, options);
         SKINBENCH_TRY(scene);
         kept = std::make_unique<Scene>(std::move(*scene));
-        workload.bounds[influences] = clipBounds(*kept, chosenClip(workload));
+        const Clip* clip = chosenClip(workload);
+        workload.bounds[influences] = clipBounds(*kept, clip, drawnMoments(workload.settings, clip));
     }
     return kept.get();
 }
@@ -134,23 +155,54 @@ Result<FrameData> makeFrame(Workload& workload, int influences, uint32_t frame) 
     SKINBENCH_TRY(scene);
     const WorkloadSettings& settings = workload.settings;
     const Clip* clip = chosenClip(workload);
-    const double seconds = settings.seconds + (settings.animated ? frame / 60.0 : 0);
     FrameData data;
     data.constants = frameConstants(
         {workload.bounds[influences], settings.copies, settings.width, settings.height, settings.yaw}, frame);
 
     const uint32_t phases = std::min(settings.copies, kPhases);
     std::vector<Palette> posed(phases);
-    for (uint32_t phase = 0; phase < phases; ++phase) {
-        const double offset = clip ? clip->duration * (phase / static_cast<double>(kPhases)) : 0;
-        posed[phase] = poseScene(**scene, clip, static_cast<float>(seconds + offset));
-    }
+    for (uint32_t phase = 0; phase < phases; ++phase)
+        posed[phase] = poseScene(**scene, clip, momentOf(settings, clip, phase, frame));
     data.palettes.reserve(size_t{settings.copies} * (*scene)->skeleton.joints.size());
     for (uint32_t copy = 0; copy < settings.copies; ++copy) {
         const Palette& palette = posed[copy % phases];
         data.palettes.insert(data.palettes.end(), palette.begin(), palette.end());
     }
     return data;
+}
+
+// As placeCopy of shaders_glsl/frame.glsl and the clipping behind it.
+static bool isInView(const FrameConstants& constants, uint32_t copy, const glm::dvec3& position) {
+    const auto columns = static_cast<uint32_t>(constants.grid.x);
+    const glm::dvec3 offset(copy % columns * constants.grid.y, -(copy / columns * constants.grid.z), 0);
+    const glm::dvec4 clip = glm::dmat4(constants.viewProjection) * glm::dvec4(position + offset, 1);
+    return clip.w > 0 && std::abs(clip.x) <= clip.w && std::abs(clip.y) <= clip.w && clip.z >= 0 && clip.z <= clip.w;
+}
+
+Result<double> shareOutOfView(Workload& workload, int influences) {
+    const auto scene = sceneFor(workload, influences);
+    if (!scene) return std::unexpected(scene.error());
+    const auto frame = makeFrame(workload, influences, 0);
+    if (!frame) return std::unexpected(frame.error());
+    const uint32_t copies = workload.settings.copies;
+    const Mesh& mesh = (*scene)->mesh;
+    const Bounds& bounds = workload.bounds[influences];
+    std::map<uint32_t, SkinnedReference> posed;
+    size_t outside = 0;
+    for (uint32_t copy = 0; copy < copies; ++copy) {
+        bool whole = true;
+        for (int corner = 0; corner < 8; ++corner)
+            whole =
+                whole && isInView(frame->constants, copy,
+                                  {corner & 1 ? bounds.max.x : bounds.min.x, corner & 2 ? bounds.max.y : bounds.min.y,
+                                   corner & 4 ? bounds.max.z : bounds.min.z});
+        if (whole) continue;
+        SkinnedReference& skinned = posed[copy % kPhases];
+        if (skinned.positions.empty()) skinned = skinReference(mesh, paletteOfCopy(*frame, copies, copy));
+        outside += std::ranges::count_if(skinned.positions,
+                                         [&](const glm::dvec3& p) { return !isInView(frame->constants, copy, p); });
+    }
+    return static_cast<double>(outside) / (static_cast<double>(copies) * static_cast<double>(mesh.positions.size()));
 }
 
 std::vector<std::byte> blockedPalettes(const FrameData& frame, uint32_t copies, const PaletteBlocks& blocks) {

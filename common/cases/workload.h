@@ -57,6 +57,9 @@ struct FrameData {
 };
 Result<FrameData> makeFrame(Workload& workload, int influences, uint32_t frame);
 
+// The share of all copies' vertices that the first frame places outside of the image, where nothing is rasterised.
+Result<double> shareOutOfView(Workload& workload, int influences);
+
 // The palettes of all copies as uniform blocks, each at a multiple of kPaletteAlignment.
 std::vector<std::byte> blockedPalettes(const FrameData& frame, uint32_t copies, const PaletteBlocks& blocks);
 

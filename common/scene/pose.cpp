@@ -130,16 +130,18 @@ Palette makePalette(const Skeleton& skeleton, std::span<const glm::dmat4> modelS
 }
 
 Palette poseScene(const Scene& scene, const Clip* clip, float seconds) {
-    if (clip && clip->duration > 0 && std::isfinite(seconds)) {
+    // The end itself is a moment of the clip, not the start of the next round.
+    if (clip && clip->duration > 0 && std::isfinite(seconds) && (seconds < 0 || seconds > clip->duration)) {
         seconds = std::fmod(seconds, clip->duration);
         if (seconds < 0) seconds += clip->duration;
     }
     return makePalette(scene.skeleton, toModelSpace(sampleClip(scene.skeleton, clip, seconds)));
 }
 
-Bounds posedBounds(const Mesh& mesh, const Palette& palette) {
+Bounds posedBounds(const Mesh& mesh, const Palette& palette, size_t first, size_t last) {
     Bounds bounds;
-    for (size_t v = 0; v < mesh.positions.size(); ++v) {
+    last = std::min(last, mesh.positions.size());
+    for (size_t v = first; v < last; ++v) {
         const glm::vec4 p(mesh.positions[v], 1);
         const Influences& influences = mesh.influences[v];
         glm::vec3 skinned(0);
@@ -149,8 +151,8 @@ Bounds posedBounds(const Mesh& mesh, const Palette& palette) {
             skinned += influences.weights[k] *
                        glm::vec3(glm::dot(joint.rows[0], p), glm::dot(joint.rows[1], p), glm::dot(joint.rows[2], p));
         }
-        bounds.min = v == 0 ? skinned : glm::min(bounds.min, skinned);
-        bounds.max = v == 0 ? skinned : glm::max(bounds.max, skinned);
+        bounds.min = v == first ? skinned : glm::min(bounds.min, skinned);
+        bounds.max = v == first ? skinned : glm::max(bounds.max, skinned);
     }
     return bounds;
 }

@@ -3,6 +3,7 @@
 // palette's own rounding to float is the only error that reaches a variant.
 #pragma once
 
+#include <cstdint>
 #include <span>
 #include <vector>
 
@@ -30,16 +31,17 @@ std::vector<glm::dmat4> toModelSpace(const LocalPose& pose);
 
 Palette makePalette(const Skeleton& skeleton, std::span<const glm::dmat4> modelSpace);
 
-// The three steps above; `seconds` wraps around the clip's duration.
+// The three steps above; `seconds` wraps around the clip's duration where it lies outside of [0, duration].
 Palette poseScene(const Scene& scene, const Clip* clip, float seconds);
 
 struct Bounds {
     glm::vec3 min{0};
     glm::vec3 max{0};
-    float diagonal() const { return glm::length(max - min); }
+    // Squares of large and of small floats leave their range.
+    double diagonal() const { return glm::length(glm::dvec3(max) - glm::dvec3(min)); }
 };
 
-// Of the skinned positions under `palette`.
-Bounds posedBounds(const Mesh& mesh, const Palette& palette);
+// Of the skinned positions under `palette`: of the vertices from `first` up to, not including, `last`.
+Bounds posedBounds(const Mesh& mesh, const Palette& palette, size_t first = 0, size_t last = SIZE_MAX);
 
 }  // namespace skinbench

@@ -244,14 +244,14 @@ TEST_CASE("a turned character stays in the view") {
     }
 }
 
-TEST_CASE("the bounds of a clip hold its poses") {
-    const auto prepared = prepareScene(tinyScene(), {});
-    REQUIRE(prepared);
-    const Scene& scene = *prepared;
-    const Bounds rest = clipBounds(scene, nullptr), bent = clipBounds(scene, &scene.clips[0]);
-    const Bounds posed = posedBounds(scene.mesh, poseScene(scene, &scene.clips[0], 1));
-    CHECK(glm::all(glm::lessThanEqual(bent.min, posed.min)));
-    CHECK(glm::all(glm::greaterThanEqual(bent.max, posed.max)));
-    CHECK(std::abs(rest.max.y - 6) < 1e-5f);
-    CHECK(rest.diagonal() != bent.diagonal());
+TEST_CASE("what leaves the image is counted") {
+    Workload workload = workloadOf(tinyScene(), {.copies = 40, .width = 640, .height = 360});
+    CHECK(shareOutOfView(workload, 4) == 0.0);
+    // A view for the upper half alone.
+    Bounds& bounds = workload.bounds[4];
+    bounds.min.y = (bounds.min.y + bounds.max.y) / 2;
+    const auto share = shareOutOfView(workload, 4);
+    REQUIRE(share);
+    CHECK(*share > 0);
+    CHECK(*share < 0.5);
 }

@@ -153,7 +153,8 @@ TEST_CASE("poseScene wraps around the duration") {
     CHECK(x(0.5f) == 0.5f);
     CHECK(x(2.5f) == 0.5f);
     CHECK(x(-0.5f) == 1.5f);
-    CHECK(x(2) == 0);
+    CHECK(x(2) == 2);  // the end, not the start of the next round
+    CHECK(x(4.5f) == 0.5f);
     CHECK(std::isfinite(x(std::numeric_limits<float>::infinity())));
 }
 
