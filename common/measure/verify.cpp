@@ -30,6 +30,25 @@ static SkinnedReference repeat(const SkinnedReference& reference, const std::vec
     return repeated;
 }
 
+double errorScale(const Mesh& mesh, const Palette& palette) {
+    constexpr double kLargest = 1e18;
+    double reach = 0;
+    for (size_t v = 0; v < mesh.positions.size(); ++v) {
+        const glm::dvec4 p(glm::abs(glm::dvec3(mesh.positions[v])), 1);
+        glm::dvec3 sum(0);
+        const Influences& influences = mesh.influences[v];
+        for (int k = 0; k < kMaxInfluences; ++k) {
+            if (influences.weights[k] == 0 || influences.joints[k] == kNoJoint) continue;
+            const PaletteEntry& joint = palette[influences.joints[k]];
+            for (int row = 0; row < 3; ++row)
+                sum[row] += influences.weights[k] * glm::dot(glm::abs(glm::dvec4(joint.rows[row])), p);
+        }
+        reach = std::max({reach, sum.x, sum.y, sum.z});
+    }
+    const double scale = std::max(posedBounds(mesh, palette).diagonal(), reach / 2);
+    return scale <= kLargest ? scale : std::numeric_limits<double>::infinity();
+}
+
 References makeReferences(const Case& c, const PlanInput& input, const FrameData& frame) {
     const Mesh& mesh = input.scene->mesh;
     const std::vector<uint32_t> sources = sourcesOf(input);
@@ -39,7 +58,7 @@ References makeReferences(const Case& c, const PlanInput& input, const FrameData
     for (uint32_t number = 0; number < input.copies; number += std::max(1u, input.copies - 1)) {
         const Palette palette = paletteOfCopy(frame, input.copies, number);
         References::Copy& copy = references.copies.emplace_back();
-        copy.diagonal = std::max<double>(posedBounds(mesh, palette).diagonal(), 1e-30);
+        copy.scale = errorScale(mesh, palette);
         copy.source = repeat(referenceOf(c, mesh, palette), sources);
         if (lossy) copy.decoded = referenceOf(c, decoded, palette);
     }
@@ -54,9 +73,9 @@ CapturedError capturedError(const References& references, std::span<const Skinne
         const References::Copy& copy = references.copies[i];
         SKINBENCH_ASSERT(copy.source.positions.size() == vertices);
         const auto part = captured.subspan(i * vertices, vertices);
-        const SkinError source = compareSkinned(copy.source, part, copy.diagonal);
+        const SkinError source = compareSkinned(copy.source, part, copy.scale);
         worst.source = larger(worst.source, source);
-        const SkinError own = copy.decoded ? compareSkinned(*copy.decoded, part, copy.diagonal) : source;
+        const SkinError own = copy.decoded ? compareSkinned(*copy.decoded, part, copy.scale) : source;
         worst.decoded = larger(worst.decoded, own);
     }
     return worst;
@@ -114,7 +133,7 @@ std::optional<double> codecPositionBound(const Case& c, const PlanInput& input, 
             const Influences more = decoded.influences.empty() ? Influences{} : decoded.influences[v];
             most = std::max(most, vertexBound(mesh, sources[v], more, bounds, palette));
         }
-        worst = std::max(worst, most / std::max<double>(posedBounds(mesh, palette).diagonal(), 1e-30));
+        if (most > 0) worst = std::max(worst, most / errorScale(mesh, palette));
     }
     return worst;
 }
@@ -172,8 +191,8 @@ KeptError keptError(const Case& c, const PlanInput& input, const FrameData& befo
         // A copy that every frame skins has shown the last pose twice.
         const bool twice = c.compute.halfRate && !isFar(frame, input.copies, copy);
         const Palette then = twice ? now : paletteOfCopy(before, input.copies, copy);
-        const double diagonal = std::max<double>(posedBounds(input.scene->mesh, then).diagonal(), 1e-30);
-        worst.previous = std::max(worst.previous, compareSkinned(skinReference(mesh, then), kept, diagonal).position);
+        const double scale = errorScale(input.scene->mesh, then);
+        worst.previous = std::max(worst.previous, compareSkinned(skinReference(mesh, then), kept, scale).position);
     }
     return worst;
 }

@@ -16,11 +16,17 @@ struct CapturedError {
     SkinError source;   // against the reference skinned from the scene's own vertices
 };
 
+// What position errors are divided by: the diagonal of the posed bounding box, or half of the farthest reach of a
+// vertex where that is more. A vertex reaches sum_j w_j (|M_j| |p| + |t_j|): the numbers that single precision rounds,
+// which a small character far from the origin has large. Infinite beyond 1e18, where squares of floats end: nothing
+// passes then.
+double errorScale(const Mesh& mesh, const Palette& palette);
+
 // What captured vertices are compared with in one pose. It depends on the encoded vertices and on whether the variant
 // skins, not on the route or the device.
 struct References {
     struct Copy {
-        double diagonal = 0;                      // of the posed bounding box
+        double scale = 0;                         // errorScale
         SkinnedReference source;                  // by encoded vertex
         std::optional<SkinnedReference> decoded;  // empty: the codec loses nothing
     };
@@ -43,7 +49,7 @@ std::optional<double> codecPositionBound(const Case& c, const PlanInput& input, 
 // What the variant `compute` keeps beside positions and normals: the larger error of the first and the last copy, 0 for
 // what the case does not keep.
 struct KeptError {
-    double previous = 0;  // of positions, relative to the posed bounding box's diagonal
+    double previous = 0;  // of positions, relative to errorScale
     double tangent = 0;   // radians; infinite where a tangent's side is wrong
 };
 

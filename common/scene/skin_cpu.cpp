@@ -87,7 +87,7 @@ void skinOnCpu(const CpuSkinJob& job, unsigned threads) {
     skinRange(job, vertices, rangeEnd(started), total);
 }
 
-SkinError compareSkinned(const SkinnedReference& reference, std::span<const SkinnedVertex> measured, double diagonal) {
+SkinError compareSkinned(const SkinnedReference& reference, std::span<const SkinnedVertex> measured, double scale) {
     SKINBENCH_ASSERT(reference.positions.size() == measured.size());
     constexpr double kInfinity = std::numeric_limits<double>::infinity();
     SkinError worst;
@@ -100,7 +100,7 @@ SkinError compareSkinned(const SkinnedReference& reference, std::span<const Skin
         worst.position = std::max(worst.position, std::isfinite(distance) ? distance : kInfinity);
         worst.normal = std::max(worst.normal, std::isfinite(angle) && !zero ? angle : kInfinity);
     }
-    if (diagonal > 0) worst.position /= diagonal;
+    if (worst.position > 0) worst.position = scale > 0 && std::isfinite(scale) ? worst.position / scale : kInfinity;
     return worst;
 }
 

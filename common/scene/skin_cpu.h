@@ -41,12 +41,13 @@ struct CpuSkinJob {
 };
 void skinOnCpu(const CpuSkinJob& job, unsigned threads);
 
-// Largest deviation from the reference. Position error is relative to `diagonal`; normal error is an angle in
-// radians. A value that is not finite counts as an infinite error.
+// Largest deviation from the reference. Position error is divided by `scale`; normal error is an angle in
+// radians. A value that is not finite counts as an infinite error, and so does any error where `scale` is 0 or
+// infinite.
 struct SkinError {
     double position = 0;
     double normal = 0;
 };
-SkinError compareSkinned(const SkinnedReference& reference, std::span<const SkinnedVertex> measured, double diagonal);
+SkinError compareSkinned(const SkinnedReference& reference, std::span<const SkinnedVertex> measured, double scale);
 
 }  // namespace skinbench

@@ -1,4 +1,7 @@
 // The bound of a codec's position error under a pose: it holds, it is not empty words, and damaged bits exceed it.
+#include <cmath>
+#include <limits>
+
 #include <catch2/catch_test_macros.hpp>
 
 #include "common/codecs/packed.h"
@@ -164,4 +167,18 @@ TEST_CASE("damaged bits exceed the bound, and a codec without a promise has none
     }
     encoded.bounds.reset();
     CHECK(!codecPositionBound(c, *input, *frame));
+}
+
+TEST_CASE("far from the origin the scale of errors is that of the coordinates") {
+    Mesh mesh;
+    mesh.positions = {{0, 3, 0}, {0.06f, 3, 0.08f}};
+    mesh.influences = {{{0}, {1}}, {{0}, {1}}};
+    CHECK(std::abs(errorScale(mesh, Palette(1)) - 1.5) < 1e-6);
+    Palette back(1);
+    back[0].rows[1].w = -3;  // the sum of 3 and -3 is rounded as 3 is
+    CHECK(std::abs(errorScale(mesh, back) - 3) < 1e-6);
+    for (glm::vec3& p : mesh.positions) p.y = 0;
+    CHECK(std::abs(errorScale(mesh, Palette(1)) - 0.1) < 1e-6);
+    back[0].rows[0] = {1e30f, 0, 0, 0};
+    CHECK(errorScale(mesh, back) == std::numeric_limits<double>::infinity());
 }

@@ -104,6 +104,11 @@ TEST_CASE("compareSkinned measures position over diagonal and normals as angles"
     CHECK(error.position == 0.125);
     CHECK(std::abs(error.normal - std::acos(-1) / 4) < 1e-12);
     const double infinity = std::numeric_limits<double>::infinity();
+    // No scale makes an error small by being none.
+    CHECK(compareSkinned(reference, measured, 0).position == infinity);
+    CHECK(compareSkinned(reference, measured, infinity).position == infinity);
+    measured[1].position.y = 0;
+    CHECK(compareSkinned(reference, measured, 0).position == 0);
     measured[0].position.y = std::numeric_limits<float>::quiet_NaN();
     CHECK(compareSkinned(reference, measured, 4).position == infinity);
     measured[1].normal = {0, 0, 0};
