@@ -64,10 +64,14 @@ int runCases(const RunOptions& options) {
     if (!workload) return reportError(workload.error());
     auto scene = sceneFor(*workload, cases->front().influences);
     if (!scene) return reportError(scene.error());
+    if (auto skinned = checkSkinned(**scene); !skinned) return reportError(skinned.error());
+    const auto outside = viewWarning(*workload, cases->front().influences);
+    if (!outside.empty()) warn(outside);
 
     RunContext context = runContext(*devices, *workload, **scene);
     context.bench = benchSettings(selectors, devices->anyHardware);
     context.bench.timed = options.timed;
+    if (!outside.empty()) context.warnings.push_back(outside);
     if (options.timed)
         for (const auto& [api, open] : devices->byApi)
             if (open.backend) {

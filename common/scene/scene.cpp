@@ -76,19 +76,21 @@ Result<void> checkSkeleton(const Skeleton& skeleton) {
     return {};
 }
 
-Result<void> checkChannel(const Channel& channel, size_t nodes) {
-    if (channel.node >= nodes) return inputError(std::format("names node {} of {}", channel.node, nodes));
-    if (channel.times.empty()) return inputError("has no key");
-    const size_t perKey = channel.interpolation == Interpolation::cubicSpline ? 3 : 1;
-    if (channel.values.size() != channel.times.size() * perKey)
-        return inputError(std::format("has {} values for {} keys", channel.values.size(), channel.times.size()));
-    for (size_t k = 0; k < channel.times.size(); ++k) {
-        if (!std::isfinite(channel.times[k])) return inputError(std::format("the time of key {} is not finite", k));
-        if (k > 0 && channel.times[k] < channel.times[k - 1])
-            return inputError(std::format("the key times do not ascend at key {}", k));
+// Geometry is full of squares of lengths, and floats end at 3e38 and 1e-38.
+Result<void> checkExtent(const Mesh& mesh) {
+    constexpr double kLargest = 1e18, kSmallest = 1e-20;
+    glm::dvec3 low(mesh.positions.front()), high = low;
+    for (const glm::vec3& p : mesh.positions) {
+        low = glm::min(low, glm::dvec3(p));
+        high = glm::max(high, glm::dvec3(p));
     }
-    for (const glm::vec4& value : channel.values)
-        if (!isFinite(value)) return inputError("a value is not finite");
+    const glm::dvec3 far = glm::max(glm::abs(low), glm::abs(high));
+    const double farthest = std::max({far.x, far.y, far.z}), diagonal = glm::length(high - low);
+    if (farthest > kLargest)
+        return inputError(
+            std::format("its positions reach {:.3g}; scale the file to less than {:.0e}", farthest, kLargest));
+    if (diagonal > 0 && diagonal < kSmallest)
+        return inputError(std::format("it is {:.3g} large; scale the file to more than {:.0e}", diagonal, kSmallest));
     return {};
 }
 
@@ -255,8 +257,25 @@ Result<Scene> loadScene(const std::string& name) {
     return name.starts_with("builtin:") ? loadBuiltin(name) : loadGltf(name);
 }
 
+Result<void> checkChannel(const Channel& channel, size_t nodes) {
+    if (channel.node >= nodes) return inputError(std::format("names node {} of {}", channel.node, nodes));
+    if (channel.times.empty()) return inputError("has no key");
+    const size_t perKey = channel.interpolation == Interpolation::cubicSpline ? 3 : 1;
+    if (channel.values.size() != channel.times.size() * perKey)
+        return inputError(std::format("has {} values for {} keys", channel.values.size(), channel.times.size()));
+    for (size_t k = 0; k < channel.times.size(); ++k) {
+        if (!std::isfinite(channel.times[k])) return inputError(std::format("the time of key {} is not finite", k));
+        if (k > 0 && channel.times[k] < channel.times[k - 1])
+            return inputError(std::format("the key times do not ascend at key {}", k));
+    }
+    for (const glm::vec4& value : channel.values)
+        if (!isFinite(value)) return inputError("a value is not finite");
+    return {};
+}
+
 Result<void> checkScene(const Scene& scene) {
     if (auto ok = checkMesh(scene.mesh, scene.skeleton.joints.size()); !ok) return ok;
+    if (auto ok = checkExtent(scene.mesh); !ok) return ok;
     if (auto ok = checkSkeleton(scene.skeleton); !ok) return ok;
     uint64_t end = 0;
     for (const Part& part : scene.parts) {
@@ -272,6 +291,11 @@ Result<void> checkScene(const Scene& scene) {
                 return inputError(std::format("clip {}: channel {}: {}", clip.name, c, ok.error().text));
     }
     return {};
+}
+
+Result<void> checkSkinned(const Scene& scene) {
+    if (scene.parts.empty() || !std::ranges::all_of(scene.parts, &Part::rigid)) return {};
+    return inputError(scene.name + ": no vertex is skinned: no mesh has both a skin and JOINTS_0 and WEIGHTS_0");
 }
 
 DroppedWeight cleanWeights(Mesh& mesh, int keep) {

@@ -132,8 +132,15 @@ Result<Scene> loadScene(const std::string& name);
 Result<Scene> loadGltf(const std::string& path);
 
 // Fails with the first fault found: arrays of unequal length, no triangle, an index or joint out of range, a value
-// that is not finite, a parent behind its child, key times that do not ascend. Every loader's result passes it.
+// that is not finite, a parent behind its child, key times that do not ascend, positions beyond 1e18 or all within
+// 1e-20 of each other but not equal. Every loader's result passes it.
 Result<void> checkScene(const Scene& scene);
+
+// Fails where every part is rigid: a benchmark of skinning would time something else.
+Result<void> checkSkinned(const Scene& scene);
+
+// As checkScene does for each channel of a clip; `nodes`: how many the skeleton has.
+Result<void> checkChannel(const Channel& channel, size_t nodes);
 
 // docs/codecs.md 2 with K = `keep`. Works in double precision and rounds once at the end.
 DroppedWeight cleanWeights(Mesh& mesh, int keep);
@@ -144,7 +151,8 @@ Result<Scene> prepareScene(Scene scene, const PrepareOptions& options);
 
 SceneStats sceneStats(const Scene& scene);
 
-// Writes a binary glTF 2.0 file that loadGltf reads back to an equal scene.
+// Writes a binary glTF 2.0 file that loadGltf reads back to an equal scene, but for what glTF forbids: joints get a
+// common root, weights that do not sum to 1 are cleaned. Refuses names that do not end in .glb.
 Result<void> saveGlb(const Scene& scene, const std::string& path);
 
 // --- built-in characters (scene_builtin.cpp) -------------------------------------------------------------------

@@ -1,10 +1,14 @@
-// The numbers of a glTF asset: buffer views and accessors, with every range checked before a byte is read.
+// The numbers of a glTF asset: buffer views and accessors, with every range checked before a byte is read, and one
+// budget for all that is decoded.
 #pragma once
 
 #include <cstdint>
+#include <map>
+#include <memory>
 #include <optional>
 #include <span>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "common/core/result.h"
@@ -20,9 +24,35 @@ enum GltfComponent {
     kGltfF32 = 5126
 };
 
+// Instances, shared accessors, accessors without data and compression all let a small file ask for much. What the file
+// becomes in memory may be kGltfBudgetFactor times as large as its bytes (those of its buffers' files included), and
+// kGltfBudgetFloor bytes on top.
+inline constexpr uint64_t kGltfBudgetFactor = 64;
+inline constexpr uint64_t kGltfBudgetFloor = 128ull << 20;
+
+struct GltfBudget {
+    uint64_t left = kGltfBudgetFloor;
+};
+// `count` things of `bytes` bytes each, before they are made.
+Result<void> spend(GltfBudget& budget, uint64_t count, uint64_t bytes);
+
+// A bufferView under EXT_meshopt_compression or KHR_meshopt_compression.
+struct CompressedView {
+    std::string extension;
+    uint64_t buffer = 0, offset = 0, length = 0;
+    std::span<const uint8_t> bytes;
+    uint64_t count = 0;
+    uint64_t stride = 0;
+    std::string mode;    // ATTRIBUTES, TRIANGLES, INDICES
+    std::string filter;  // NONE, OCTAHEDRAL, QUATERNION, EXPONENTIAL, COLOR
+};
+Result<std::vector<uint8_t>> decompressView(const CompressedView& view, GltfBudget& budget);
+
 struct GltfView {
     std::span<const uint8_t> bytes;
-    uint64_t stride = 0;  // 0: tightly packed
+    uint64_t stride = 0;                   // 0: tightly packed
+    std::optional<CompressedView> packed;  // until it is first used
+    std::string fault;                     // why it cannot be used
 };
 
 struct GltfSparse {
@@ -42,30 +72,48 @@ struct GltfAccessor {
     int components = 0;  // 1 for SCALAR … 16 for MAT4
     bool normalized = false;
     std::optional<GltfSparse> sparse;
+    std::string fault;
+};
+
+// Elements of equal size that are known to lie inside their view. Null: zeros.
+struct GltfElements {
+    const uint8_t* first = nullptr;
+    uint64_t stride = 0;
+};
+
+// An accessor that is ready to be read element by element; the elements themselves are not copied.
+struct GltfColumn {
+    GltfElements elements;
+    uint64_t count = 0;
+    int component = 0;
+    int components = 0;
+    bool normalized = false;
+    bool misaligned = false;
+    GltfElements values;                                // of sparse elements
+    std::vector<std::pair<uint32_t, uint32_t>> sparse;  // element -> its place in `values`, ascending
 };
 
 struct GltfData {
     std::vector<GltfView> views;
     std::vector<GltfAccessor> accessors;
-    std::vector<std::vector<uint8_t>> storage;  // of decompressed views
+    std::map<int, std::unique_ptr<GltfColumn>> columns;  // those that were opened
+    std::vector<std::vector<uint8_t>> storage;           // of decompressed views
+    GltfBudget budget;
+    bool quantization = false;  // the file uses KHR_mesh_quantization
 };
 
-// `components` values an element, one element after the other. Integers are divided by their range where the
-// accessor says so, or always with `alwaysNormalized`.
-Result<std::vector<float>> readFloats(const GltfData& data, int accessor, int components,
-                                      bool alwaysNormalized = false);
+// Opened once and shared. Errors name the accessor.
+Result<const GltfColumn*> openColumn(GltfData& data, int accessor, int components);
 
-// Accepts the unsigned types only, with at most `maxComponentBytes` bytes each.
-Result<std::vector<uint32_t>> readUnsigned(const GltfData& data, int accessor, int components, int maxComponentBytes);
+// Refuses all but the unsigned types with at most `maxComponentBytes` bytes each.
+Result<const GltfColumn*> openIndexColumn(GltfData& data, int accessor, int components, int maxComponentBytes);
 
-// A bufferView under EXT_meshopt_compression.
-struct CompressedView {
-    std::span<const uint8_t> bytes;
-    uint64_t count = 0;
-    uint64_t stride = 0;
-    std::string mode;    // ATTRIBUTES, TRIANGLES, INDICES
-    std::string filter;  // NONE, OCTAHEDRAL, QUATERNION, EXPONENTIAL
-};
-Result<std::vector<uint8_t>> decompressView(const CompressedView& view);
+// `column.components` values. Integers are divided by their range where the accessor says so, or with `normalized`.
+void readElement(const GltfColumn& column, uint64_t element, float* out, bool normalized = false);
+void readElement(const GltfColumn& column, uint64_t element, uint32_t* out);
+
+// The first `count` elements, or all.
+Result<std::vector<float>> readFloats(GltfData& data, int accessor, int components, bool normalized = false,
+                                      uint64_t count = UINT64_MAX);
 
 }  // namespace skinbench

@@ -1,5 +1,5 @@
-// The container of a glTF 2.0 asset: reads the file, takes a GLB apart, loads the buffers and hands on JSON in which
-// every index and size is known to be a whole number that is not negative. scene_gltf.cpp gives that text to tinygltf.
+// The container of a glTF 2.0 asset: reads the file, takes a GLB apart, loads the buffers. scene_gltf.cpp gives the
+// text in `tree` to tinygltf.
 #pragma once
 
 #include <cstdint>
@@ -8,13 +8,20 @@
 #include <vector>
 
 #include "common/core/result.h"
+#include "common/scene/gltf/gltf_tree.h"
 
 namespace skinbench {
 
+struct GltfBuffer {
+    std::span<const uint8_t> bytes;
+    std::string fault;  // why there are none; what does not use them does not mind
+};
+
 struct GltfFile {
-    std::string json;                               // without images, materials, cameras, buffers and extras
-    std::vector<std::span<const uint8_t>> buffers;  // empty for the fallback buffers of EXT_meshopt_compression
-    std::vector<std::vector<uint8_t>> storage;      // what `buffers` points into
+    GltfTree tree;
+    std::vector<GltfBuffer> buffers;
+    std::vector<std::vector<uint8_t>> storage;  // what `buffers` points into; each file once
+    uint64_t size = 0;                          // of all files together
 };
 
 // Errors do not name the file; the caller does.

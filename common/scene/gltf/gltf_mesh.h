@@ -1,4 +1,5 @@
-// One primitive of a glTF mesh as vertices and a triangle list. Joint numbers are still those of the skin.
+// A glTF mesh as vertices and triangle lists. Only vertices that a triangle uses are made. Joint numbers are still
+// those of the skin.
 #pragma once
 
 #include <map>
@@ -6,6 +7,7 @@
 #include <vector>
 
 #include "common/scene/gltf/gltf_data.h"
+#include "common/scene/gltf/gltf_notes.h"
 #include "common/scene/scene.h"
 
 namespace skinbench {
@@ -16,29 +18,23 @@ struct GltfPrimitive {
     int mode = 4;
 };
 
-struct GltfMeshPart {
-    Mesh mesh;  // influences are empty where not `skinned`
+// Vertices that primitives of one mesh share, because their attributes are the same.
+struct GltfVertices {
+    Mesh mesh;  // influences are empty where not `skinned`; no indices
     bool skinned = false;
-    bool ownsVertices = true;  // else they are those of the mesh's part `sharedWith`, and `mesh` holds indices only
-    size_t sharedWith = 0;
-    std::map<std::string, int> attributes;
+    std::vector<uint32_t> fileVertex;  // their numbers in the file, ascending
 };
 
-// What was repaired or left out, counted over all primitives.
-struct GltfRepairs {
-    uint64_t badWeights = 0;  // not a number, infinite or negative
-    uint64_t wrongSums = 0;   // vertices
-    uint64_t weightless = 0;  // vertices
-    uint64_t overfull = 0;    // vertices with more than kMaxInfluences
-    double overfullMax = 0;   // the largest share of weight that one of them lost
-    uint64_t badNormals = 0;
-    uint64_t badUvs = 0;
-    uint64_t skippedPrimitives = 0;  // points and lines
+struct GltfMesh {
+    std::vector<GltfVertices> vertices;
+    struct Part {
+        size_t vertices = 0;            // which of the above
+        std::vector<uint32_t> indices;  // empty: points or lines, which are not drawn
+    };
+    std::vector<Part> parts;  // one per primitive
 };
-std::vector<std::string> describe(const GltfRepairs& repairs);
 
-// `shared`: a part of the same mesh whose vertices can be used again, because its attributes are the same.
-Result<GltfMeshPart> readPrimitive(const GltfData& data, const GltfPrimitive& primitive, const GltfMeshPart* shared,
-                                   GltfRepairs& repairs);
+// Errors name the primitive where there are several.
+Result<GltfMesh> readMesh(GltfData& data, const std::vector<GltfPrimitive>& primitives, GltfNotes& notes);
 
 }  // namespace skinbench

@@ -4,34 +4,27 @@
 #include <format>
 #include <map>
 #include <new>
+#include <set>
 
 #include <tiny_gltf.h>
 
+#include "common/core/utf8.h"
+#include "common/scene/gltf/gltf_clips.h"
 #include "common/scene/gltf/gltf_data.h"
 #include "common/scene/gltf/gltf_file.h"
 #include "common/scene/gltf/gltf_mesh.h"
+#include "common/scene/gltf/gltf_nodes.h"
+#include "common/scene/pose.h"
 #include "common/scene/scene.h"
 
 namespace skinbench {
 namespace {
 
-constexpr uint64_t kMaxVertices = 1u << 25;  // instances multiply what a small file holds
+constexpr uint64_t kMaxVertices = 1u << 25;
 constexpr uint64_t kMaxIndices = 3u << 25;
-constexpr uint64_t kMaxKeys = 1u << 25;
-
-template <class T>
-Result<T> at(const std::string& place, Result<T> result) {
-    if (!result) result.error().text = place + ": " + result.error().text;
-    return result;
-}
 
 std::unexpected<Error> failed(const std::string& place, const Error& error) {
     return std::unexpected(Error{error.fault, place + ": " + error.text});
-}
-
-template <class T>
-bool contains(const std::vector<T>& list, int index) {
-    return index >= 0 && static_cast<size_t>(index) < list.size();
 }
 
 // --- tinygltf's model in our terms ------------------------------------------------------------------------------
@@ -46,262 +39,71 @@ Result<tinygltf::Model> parseModel(const std::string& json) {
     if (good && error.empty()) return model;
     std::ranges::replace(error, '\n', ' ');
     while (!error.empty() && (error.back() == ' ' || error.back() == '.')) error.pop_back();
-    return inputError("tinygltf says: " + error.substr(0, 200));
+    return inputError(error.empty() ? "is no valid glTF 2.0; Khronos' glTF validator names the place"
+                                    : "tinygltf says: " + shortText(error, 200));
 }
 
-Result<CompressedView> compressedView(const tinygltf::Value& value, const GltfFile& file) {
-    const auto number = [&](const char* key) -> uint64_t {
-        const tinygltf::Value& entry = value.Get(key);
-        const double number = entry.IsNumber() ? entry.GetNumberAsDouble() : 0;
-        return number >= 0 && number < 1e15 ? static_cast<uint64_t>(number) : UINT64_MAX;
-    };
-    const auto word = [&](const char* key) {
-        return value.Get(key).IsString() ? value.Get(key).Get<std::string>() : std::string();
-    };
-    const uint64_t buffer = number("buffer"), offset = number("byteOffset"), length = number("byteLength");
-    if (!value.Has("buffer") || buffer >= file.buffers.size()) return inputError("names a buffer that does not exist");
-    const auto bytes = file.buffers[buffer];
+Result<std::span<const uint8_t>> bytesOf(const GltfFile& file, uint64_t buffer, uint64_t offset, uint64_t length) {
+    if (buffer >= file.buffers.size()) return inputError(std::format("buffer {} does not exist", buffer));
+    if (!file.buffers[buffer].fault.empty()) return inputError(file.buffers[buffer].fault);
+    const auto bytes = file.buffers[buffer].bytes;
     if (offset > bytes.size() || length > bytes.size() - offset)
         return inputError(
             std::format("{} bytes at {} go past the {} bytes of buffer {}", length, offset, bytes.size(), buffer));
-    return CompressedView{bytes.subspan(offset, length), number("count"), number("byteStride"), word("mode"),
-                          word("filter")};
+    return bytes.subspan(offset, length);
 }
 
-Result<GltfView> makeView(const tinygltf::BufferView& view, const GltfFile& file, GltfData& data) {
-    if (const auto it = view.extensions.find("EXT_meshopt_compression"); it != view.extensions.end()) {
-        const auto compressed = at("EXT_meshopt_compression", compressedView(it->second, file));
-        if (!compressed) return std::unexpected(compressed.error());
-        auto bytes = at("EXT_meshopt_compression", decompressView(*compressed));
-        if (!bytes) return std::unexpected(bytes.error());
-        data.storage.push_back(std::move(*bytes));
-        return GltfView{data.storage.back(), compressed->mode == "ATTRIBUTES" ? compressed->stride : 0};
+GltfView makeView(const tinygltf::BufferView& view, size_t index, const GltfFile& file) {
+    GltfView out;
+    const std::string where = std::format("bufferView {}: ", index);
+    if (const auto fault = file.tree.views.find(index); fault != file.tree.views.end()) {
+        out.fault = fault->second;
+        return out;
     }
-    if (!contains(file.buffers, view.buffer)) return inputError(std::format("buffer {} does not exist", view.buffer));
-    const auto bytes = file.buffers[view.buffer];
-    if (view.byteOffset > bytes.size() || view.byteLength > bytes.size() - view.byteOffset)
-        return inputError(std::format("{} bytes at {} go past the {} bytes of buffer {}", view.byteLength,
-                                      view.byteOffset, bytes.size(), view.buffer));
-    return GltfView{bytes.subspan(view.byteOffset, view.byteLength), view.byteStride};
+    if (const auto packed = file.tree.packed.find(index); packed != file.tree.packed.end()) {
+        out.packed = packed->second;
+        const auto bytes = bytesOf(file, out.packed->buffer, out.packed->offset, out.packed->length);
+        if (bytes)
+            out.packed->bytes = *bytes;
+        else
+            out.fault = where + out.packed->extension + ": " + bytes.error().text;
+        return out;
+    }
+    const auto bytes = bytesOf(file, view.buffer, view.byteOffset, view.byteLength);
+    if (bytes)
+        out.bytes = *bytes;
+    else
+        out.fault = where + bytes.error().text;
+    out.stride = view.byteStride;
+    return out;
 }
 
-Result<GltfData> makeData(const tinygltf::Model& model, const GltfFile& file) {
+GltfData makeData(const tinygltf::Model& model, const GltfFile& file) {
     GltfData data;
-    for (size_t i = 0; i < model.bufferViews.size(); ++i) {
-        const auto view = at(std::format("bufferView {}", i), makeView(model.bufferViews[i], file, data));
-        if (!view) return std::unexpected(view.error());
-        data.views.push_back(*view);
-    }
-    for (const tinygltf::Accessor& source : model.accessors) {
-        GltfAccessor accessor{source.bufferView,
-                              source.byteOffset,
-                              source.count,
-                              source.componentType,
-                              tinygltf::GetNumComponentsInType(source.type),
-                              source.normalized,
-                              {}};
+    data.budget.left += file.size * kGltfBudgetFactor;
+    data.quantization = file.tree.quantization;
+    for (size_t i = 0; i < model.bufferViews.size(); ++i) data.views.push_back(makeView(model.bufferViews[i], i, file));
+    for (size_t i = 0; i < model.accessors.size(); ++i) {
+        const tinygltf::Accessor& source = model.accessors[i];
+        GltfAccessor accessor;
+        accessor.view = source.bufferView;
+        accessor.offset = source.byteOffset;
+        accessor.count = source.count;
+        accessor.component = source.componentType;
+        accessor.components = tinygltf::GetNumComponentsInType(source.type);
+        accessor.normalized = source.normalized;
         if (const auto& sparse = source.sparse; sparse.isSparse)
             accessor.sparse =
                 GltfSparse{static_cast<uint64_t>(sparse.count), sparse.indices.bufferView, sparse.indices.byteOffset,
                            sparse.indices.componentType,        sparse.values.bufferView,  sparse.values.byteOffset};
-        data.accessors.push_back(accessor);
+        if (const auto fault = file.tree.accessors.find(i); fault != file.tree.accessors.end())
+            accessor.fault = fault->second;
+        data.accessors.push_back(std::move(accessor));
     }
     return data;
 }
 
-Result<GltfPrimitive> makePrimitive(const tinygltf::Primitive& source, const GltfData& data) {
-    const auto position = source.attributes.find("POSITION");
-    if (source.extensions.contains("KHR_draco_mesh_compression") && position != source.attributes.end() &&
-        contains(data.accessors, position->second) && data.accessors[position->second].view < 0)
-        return inputError("KHR_draco_mesh_compression is not supported; export the file without it");
-    const int mode = source.mode < 0 ? TINYGLTF_MODE_TRIANGLES : source.mode;
-    return GltfPrimitive{{source.attributes.begin(), source.attributes.end()}, source.indices, mode};
-}
-
-// --- nodes ------------------------------------------------------------------------------------------------------
-
-struct NodeOrder {
-    std::vector<int> parents;     // by the file's index
-    std::vector<uint32_t> place;  // the file's index -> ours
-    std::vector<int> sorted;      // ours -> the file's index
-};
-
-Result<NodeOrder> orderNodes(const tinygltf::Model& model) {
-    const size_t count = model.nodes.size();
-    NodeOrder order{std::vector<int>(count, -1), std::vector<uint32_t>(count), {}};
-    bool inOrder = true;
-    for (size_t i = 0; i < count; ++i)
-        for (const int child : model.nodes[i].children) {
-            if (!contains(model.nodes, child))
-                return inputError(std::format("node {}: child {} does not exist", i, child));
-            if (order.parents[child] >= 0)
-                return inputError(std::format("node {} has two parents, {} and {}", child, order.parents[child], i));
-            order.parents[child] = static_cast<int>(i);
-            inOrder &= static_cast<size_t>(child) > i;
-        }
-    std::vector<int> open;
-    for (size_t root = count; root-- > 0;)
-        if (order.parents[root] < 0) open.push_back(static_cast<int>(root));
-    while (!open.empty()) {
-        const int node = open.back();
-        open.pop_back();
-        order.sorted.push_back(node);
-        const auto& children = model.nodes[node].children;
-        open.insert(open.end(), children.rbegin(), children.rend());
-    }
-    if (order.sorted.size() < count) return inputError("its nodes form a cycle");
-    // A file whose order is fine keeps it.
-    if (inOrder) std::ranges::sort(order.sorted);
-    for (size_t i = 0; i < count; ++i) order.place[order.sorted[i]] = static_cast<uint32_t>(i);
-    return order;
-}
-
-glm::vec3 toVec3(const std::vector<double>& v, float missing) {
-    return v.size() == 3 ? glm::vec3(v[0], v[1], v[2]) : glm::vec3(missing);
-}
-
-Node makeNode(const tinygltf::Node& source, int parent) {
-    Node node{source.name, parent, toVec3(source.translation, 0), {1, 0, 0, 0}, toVec3(source.scale, 1), {}};
-    if (const auto& q = source.rotation; q.size() == 4)
-        node.rotation = glm::quat(static_cast<float>(q[3]), static_cast<float>(q[0]), static_cast<float>(q[1]),
-                                  static_cast<float>(q[2]));
-    if (source.matrix.size() == 16) {
-        glm::mat4 m;
-        for (int i = 0; i < 16; ++i) m[i / 4][i % 4] = static_cast<float>(source.matrix[i]);
-        if (m != glm::mat4(1)) node.matrix = m;
-    }
-    return node;
-}
-
-// The nodes that the default scene shows, by the file's index.
-Result<std::vector<bool>> visibleNodes(const tinygltf::Model& model, const NodeOrder& order) {
-    const size_t count = model.nodes.size();
-    if (model.scenes.empty()) return std::vector<bool>(count, true);
-    const int index = model.defaultScene < 0 ? 0 : model.defaultScene;
-    if (!contains(model.scenes, index)) return inputError(std::format("the default scene {} does not exist", index));
-    std::vector<bool> visible(count, false);
-    for (const int root : model.scenes[index].nodes) {
-        if (!contains(model.nodes, root))
-            return inputError(std::format("scene {}: node {} does not exist", index, root));
-        visible[root] = true;
-    }
-    for (const int node : order.sorted)
-        if (order.parents[node] >= 0 && visible[order.parents[node]]) visible[node] = true;
-    return visible;
-}
-
-// --- animations -------------------------------------------------------------------------------------------------
-
-// glTF forbids animating a node that has a matrix; where a file does it anyway, the matrix becomes its three parts.
-void splitMatrix(Node& node) {
-    const glm::mat4 m = *node.matrix;
-    node.matrix.reset();
-    node.translation = glm::vec3(m[3]);
-    glm::mat3 axes(m);
-    for (int i = 0; i < 3; ++i) node.scale[i] = glm::length(axes[i]);
-    if (glm::determinant(axes) < 0) node.scale.x = -node.scale.x;
-    for (int i = 0; i < 3; ++i)
-        if (node.scale[i] != 0) axes[i] /= node.scale[i];
-    const glm::quat rotation = glm::quat_cast(axes);
-    const bool good = std::isfinite(glm::dot(rotation, rotation)) && glm::dot(rotation, rotation) > 0;
-    node.rotation = good ? glm::normalize(rotation) : glm::quat(1, 0, 0, 0);
-}
-
-Result<Channel> makeChannel(const tinygltf::Animation& animation, const tinygltf::AnimationChannel& source,
-                            const GltfData& data) {
-    if (!contains(animation.samplers, source.sampler))
-        return inputError(std::format("sampler {} does not exist", source.sampler));
-    const tinygltf::AnimationSampler& sampler = animation.samplers[source.sampler];
-    Channel channel;
-    if (source.target_path == "rotation") channel.path = ChannelPath::rotation;
-    if (source.target_path == "scale") channel.path = ChannelPath::scale;
-    if (sampler.interpolation == "STEP")
-        channel.interpolation = Interpolation::step;
-    else if (sampler.interpolation == "CUBICSPLINE")
-        channel.interpolation = Interpolation::cubicSpline;
-    else if (sampler.interpolation != "LINEAR")
-        return inputError("interpolation \"" + sampler.interpolation.substr(0, 40) + "\" is not known");
-
-    const bool rotation = channel.path == ChannelPath::rotation;
-    const int components = rotation ? 4 : 3;
-    auto times = at("input", readFloats(data, sampler.input, 1));
-    if (!times) return std::unexpected(times.error());
-    const auto values = at("output", readFloats(data, sampler.output, components, rotation));
-    if (!values) return std::unexpected(values.error());
-    if (times->empty()) return inputError("has no key");
-    channel.times = std::move(*times);
-    channel.values.resize(values->size() / components, glm::vec4(0));
-    for (size_t i = 0; i < values->size(); ++i) channel.values[i / components][i % components] = (*values)[i];
-    return channel;
-}
-
-struct Ignored {
-    bool morphs = false;
-    bool targets = false;
-    bool matrices = false;
-};
-
-Result<void> addClips(const tinygltf::Model& model, const GltfData& data, const NodeOrder& order, Scene& scene,
-                      Ignored& ignored) {
-    uint64_t keys = 0;
-    for (size_t a = 0; a < model.animations.size(); ++a) {
-        const tinygltf::Animation& animation = model.animations[a];
-        Clip clip{animation.name, 0, {}};
-        for (size_t c = 0; c < animation.channels.size(); ++c) {
-            const tinygltf::AnimationChannel& source = animation.channels[c];
-            const std::string place = std::format("animation {}: channel {}", a, c);
-            const std::string& path = source.target_path;
-            ignored.morphs |= path == "weights";
-            const bool known = path == "translation" || path == "rotation" || path == "scale";
-            ignored.targets |= !known && path != "weights";
-            if (!known || source.target_node < 0) continue;
-            if (!contains(model.nodes, source.target_node))
-                return inputError(std::format("{}: node {} does not exist", place, source.target_node));
-            auto channel = at(place, makeChannel(animation, source, data));
-            if (!channel) return std::unexpected(channel.error());
-            channel->node = order.place[source.target_node];
-            keys += channel->values.size();
-            if (keys > kMaxKeys) return inputError(std::format("its animations hold more than {} keys", kMaxKeys));
-            if (Node& node = scene.skeleton.nodes[channel->node]; node.matrix) {
-                splitMatrix(node);
-                ignored.matrices = true;
-            }
-            for (const float time : channel->times) clip.duration = std::max(clip.duration, time);
-            clip.channels.push_back(std::move(*channel));
-        }
-        if (!clip.channels.empty()) scene.clips.push_back(std::move(clip));
-    }
-    return {};
-}
-
 // --- skins and instances ----------------------------------------------------------------------------------------
-
-Result<uint32_t> addSkin(const tinygltf::Model& model, int index, const GltfData& data, const NodeOrder& order,
-                         Skeleton& skeleton) {
-    const tinygltf::Skin& skin = model.skins[index];
-    if (skin.joints.empty()) return inputError("has no joint");
-    if (skeleton.joints.size() + skin.joints.size() > kMaxJoints)
-        return inputError(std::format("the scene has more than the limit of {} joints", kMaxJoints));
-    std::vector<float> matrices;
-    if (skin.inverseBindMatrices >= 0) {
-        auto read = at("inverseBindMatrices", readFloats(data, skin.inverseBindMatrices, 16));
-        if (!read) return std::unexpected(read.error());
-        matrices = std::move(*read);
-        if (matrices.size() < skin.joints.size() * 16)
-            return inputError(
-                std::format("has {} joints but {} inverse bind matrices", skin.joints.size(), matrices.size() / 16));
-    }
-    const auto first = static_cast<uint32_t>(skeleton.joints.size());
-    for (size_t j = 0; j < skin.joints.size(); ++j) {
-        if (!contains(model.nodes, skin.joints[j]))
-            return inputError(std::format("joint {}: node {} does not exist", j, skin.joints[j]));
-        Joint joint{order.place[skin.joints[j]], glm::mat4(1)};
-        if (!matrices.empty())
-            for (int i = 0; i < 16; ++i) joint.inverseBind[i / 4][i % 4] = matrices[j * 16 + i];
-        skeleton.joints.push_back(joint);
-    }
-    return first;
-}
 
 // One mesh on one node.
 struct Instance {
@@ -310,12 +112,78 @@ struct Instance {
     int skin = -1;
 };
 
+struct Importer {
+    const tinygltf::Model& model;
+    const GltfTree& tree;
+    const NodeOrder& order;
+    GltfData& data;
+    Scene& scene;
+    GltfNotes& notes;
+    std::map<int, GltfMesh> meshes;       // decoded on first use
+    std::map<int, uint32_t> skinJoints;   // skin -> its first joint
+    std::map<int, uint16_t> rigidJoints;  // node -> its joint
+    std::vector<bool> mirrored;           // by our node index, in the rest pose
+    std::vector<uint32_t> roots;          // of each node's hierarchy, by our index
+};
+
+// glTF 2.0, section 3.7.3.2.
+void noteSkin(const Importer& in, uint32_t first) {
+    const Skeleton& skeleton = in.scene.skeleton;
+    GltfNotes& notes = in.notes;
+    std::set<uint32_t> nodes;
+    bool apart = false, repeated = false;
+    const uint32_t root = in.roots[skeleton.joints[first].node];
+    for (size_t j = first; j < skeleton.joints.size(); ++j) {
+        const Joint& joint = skeleton.joints[j];
+        repeated |= !nodes.insert(joint.node).second;
+        apart |= in.roots[joint.node] != root;
+        const glm::mat4& m = joint.inverseBind;
+        const glm::vec4 lastRow(m[0][3], m[1][3], m[2][3], m[3][3]);
+        if (glm::any(glm::greaterThan(glm::abs(lastRow - glm::vec4(0, 0, 0, 1)), glm::vec4(1e-5f))))
+            notes.add(GltfNote::brokenBindRows);
+    }
+    if (apart) notes.add(GltfNote::skinsWithoutRoot);
+    if (repeated) notes.add(GltfNote::repeatedSkinJoints);
+}
+
+Result<uint32_t> addSkin(Importer& in, int index) {
+    const tinygltf::Skin& skin = in.model.skins[index];
+    Skeleton& skeleton = in.scene.skeleton;
+    if (const auto fault = in.tree.skins.find(index); fault != in.tree.skins.end()) return inputError(fault->second);
+    const std::string where = std::format("skin {}: ", index);
+    if (skin.joints.empty()) return inputError(where + "has no joint");
+    if (skeleton.joints.size() + skin.joints.size() > kMaxJoints)
+        return inputError(where + std::format("the scene has more than the limit of {} joints", kMaxJoints));
+    std::vector<float> matrices;
+    if (skin.inverseBindMatrices >= 0) {
+        auto read = readFloats(in.data, skin.inverseBindMatrices, 16, false, skin.joints.size());
+        if (!read) return inputError(where + "inverseBindMatrices: " + read.error().text);
+        matrices = std::move(*read);
+        if (in.data.accessors[skin.inverseBindMatrices].component != kGltfF32) in.notes.add(GltfNote::forbiddenFormats);
+        if (matrices.size() < skin.joints.size() * 16)
+            return inputError(where + std::format("has {} joints but {} inverse bind matrices", skin.joints.size(),
+                                                  matrices.size() / 16));
+    }
+    const auto first = static_cast<uint32_t>(skeleton.joints.size());
+    for (size_t j = 0; j < skin.joints.size(); ++j) {
+        if (!contains(in.model.nodes, skin.joints[j]))
+            return inputError(where + std::format("joint {}: node {} does not exist", j, skin.joints[j]));
+        Joint joint{in.order.place[skin.joints[j]], glm::mat4(1)};
+        if (!matrices.empty())
+            for (int i = 0; i < 16; ++i) joint.inverseBind[i / 4][i % 4] = matrices[j * 16 + i];
+        skeleton.joints.push_back(joint);
+    }
+    noteSkin(in, first);
+    return first;
+}
+
 Result<std::vector<Instance>> findInstances(const tinygltf::Model& model, const NodeOrder& order,
-                                            std::vector<std::string>& warnings) {
-    auto visible = visibleNodes(model, order);
-    if (!visible) return std::unexpected(visible.error());
+                                            const std::set<size_t>& hidden, Scene& scene, GltfNotes& notes) {
+    const auto inScene = shownNodes(model, order);
+    if (!inScene) return std::unexpected(inScene.error());
+    const std::vector<bool> left = hiddenNodes(order, hidden);
     std::vector<Instance> shown, all;
-    bool skinShown = false, anySkin = false;
+    bool skinShown = false, skinVisible = false, anySkin = false;
     for (size_t i = 0; i < model.nodes.size(); ++i) {
         const tinygltf::Node& node = model.nodes[i];
         if (node.mesh < 0) continue;
@@ -323,49 +191,35 @@ Result<std::vector<Instance>> findInstances(const tinygltf::Model& model, const 
             return inputError(std::format("node {}: mesh {} does not exist", i, node.mesh));
         if (node.skin >= 0 && !contains(model.skins, node.skin))
             return inputError(std::format("node {}: skin {} does not exist", i, node.skin));
-        all.push_back({static_cast<int>(i), node.mesh, node.skin});
         anySkin |= node.skin >= 0;
-        if (!(*visible)[i]) continue;
+        if (left[i]) {
+            notes.add(GltfNote::hiddenNodes);
+            continue;
+        }
+        all.push_back({static_cast<int>(i), node.mesh, node.skin});
+        skinVisible |= node.skin >= 0;
+        if (!(*inScene)[i]) continue;
         shown.push_back(all.back());
         skinShown |= node.skin >= 0;
     }
     if (!anySkin) return inputError("has no skin: nothing to animate; give a file with a skinned mesh");
-    if (!skinShown) warnings.push_back("the default scene shows no skinned mesh; all nodes of the file were taken");
+    if (!skinVisible) return inputError("every skinned mesh is hidden by KHR_node_visibility: nothing to animate");
+    if (!skinShown)
+        scene.warnings.push_back("the default scene shows no skinned mesh; all nodes of the file were taken");
     return skinShown ? shown : all;
 }
 
-struct Importer {
-    const tinygltf::Model& model;
-    const GltfData& data;
-    const NodeOrder& order;
-    Scene& scene;
-    std::vector<std::vector<GltfMeshPart>> meshes;  // decoded on first use
-    std::map<int, uint32_t> skinJoints;             // skin -> its first joint
-    std::map<int, uint16_t> rigidJoints;            // node -> its joint
-    std::vector<bool> mirrored;                     // by our node index, in the rest pose
-    GltfRepairs repairs;
-    Ignored ignored;
-};
-
-Result<const std::vector<GltfMeshPart>*> decodeMesh(Importer& in, int index) {
-    std::vector<GltfMeshPart>& parts = in.meshes[index];
-    const auto& primitives = in.model.meshes[index].primitives;
-    for (size_t p = parts.size(); p < primitives.size(); ++p) {
-        const std::string place =
-            primitives.size() > 1 ? std::format("mesh {}: primitive {}", index, p) : std::format("mesh {}", index);
-        auto primitive = at(place, makePrimitive(primitives[p], in.data));
-        if (!primitive) return std::unexpected(primitive.error());
-        in.ignored.morphs |= !primitives[p].targets.empty();
-        const auto same = std::find_if(parts.begin(), parts.end(), [&](const GltfMeshPart& part) {
-            return part.attributes == primitive->attributes && part.ownsVertices && !part.mesh.indices.empty();
-        });
-        const GltfMeshPart* shared = same == parts.end() ? nullptr : &*same;
-        auto part = at(place, readPrimitive(in.data, *primitive, shared, in.repairs));
-        if (!part) return std::unexpected(part.error());
-        if (shared) part->sharedWith = same - parts.begin();
-        parts.push_back(std::move(*part));
-    }
-    return &parts;
+Result<const GltfMesh*> decodeMesh(Importer& in, int index) {
+    if (const auto known = in.meshes.find(index); known != in.meshes.end()) return &known->second;
+    if (const auto fault = in.tree.meshes.find(index); fault != in.tree.meshes.end()) return inputError(fault->second);
+    std::vector<GltfPrimitive> primitives;
+    for (const tinygltf::Primitive& source : in.model.meshes[index].primitives)
+        primitives.push_back({{source.attributes.begin(), source.attributes.end()},
+                              source.indices,
+                              source.mode < 0 ? TINYGLTF_MODE_TRIANGLES : source.mode});
+    auto mesh = at(std::format("mesh {}", index), readMesh(in.data, primitives, in.notes));
+    if (!mesh) return std::unexpected(mesh.error());
+    return &in.meshes.emplace(index, std::move(*mesh)).first->second;
 }
 
 Result<uint16_t> rigidJoint(Importer& in, int node) {
@@ -377,11 +231,13 @@ Result<uint16_t> rigidJoint(Importer& in, int node) {
     return it->second;
 }
 
-Result<void> appendVertices(Importer& in, const GltfMeshPart& part, const Instance& instance, bool skinned) {
+Result<void> appendVertices(Importer& in, const GltfVertices& vertices, const Instance& instance, bool skinned) {
     Mesh& mesh = in.scene.mesh;
-    const Mesh& source = part.mesh;
+    const Mesh& source = vertices.mesh;
     if (mesh.positions.size() + source.positions.size() > kMaxVertices)
         return inputError(std::format("the scene has more than {} vertices", kMaxVertices));
+    constexpr uint64_t kBytes = 2 * sizeof(glm::vec3) + sizeof(glm::vec2) + sizeof(Influences);
+    if (auto ok = spend(in.data.budget, source.positions.size(), kBytes); !ok) return ok;
     mesh.positions.insert(mesh.positions.end(), source.positions.begin(), source.positions.end());
     mesh.normals.insert(mesh.normals.end(), source.normals.begin(), source.normals.end());
     mesh.uvs.insert(mesh.uvs.end(), source.uvs.begin(), source.uvs.end());
@@ -399,8 +255,8 @@ Result<void> appendVertices(Importer& in, const GltfMeshPart& part, const Instan
         Influences influences = source.influences[v];
         for (int k = 0; k < kMaxInfluences; ++k) {
             if (influences.joints[k] >= joints && influences.weights[k] > 0)
-                return inputError(std::format("vertex {} names joint {}, but skin {} has {} joints", v,
-                                              influences.joints[k], instance.skin, joints));
+                return inputError(std::format("vertex {} names joint {}, but skin {} has {} joints",
+                                              vertices.fileVertex[v], influences.joints[k], instance.skin, joints));
             const uint32_t local = influences.joints[k] < joints ? influences.joints[k] : 0;
             influences.joints[k] = static_cast<uint16_t>(first + local);
         }
@@ -418,51 +274,76 @@ std::string partName(const Importer& in, const Instance& instance, size_t primit
 
 Result<void> addInstance(Importer& in, const Instance& instance) {
     const std::string place = std::format("mesh {}", instance.mesh);
-    const auto parts = decodeMesh(in, instance.mesh);
-    if (!parts) return std::unexpected(parts.error());
-    std::vector<size_t> firstVertex((*parts)->size());
-    for (size_t p = 0; p < (*parts)->size(); ++p) {
-        const GltfMeshPart& part = (**parts)[p];
-        const bool skinned = instance.skin >= 0 && part.skinned;
-        firstVertex[p] = part.ownsVertices ? in.scene.mesh.positions.size() : firstVertex[part.sharedWith];
-        if (part.mesh.indices.empty()) continue;
-        if (part.ownsVertices)
-            if (auto ok = at(place, appendVertices(in, part, instance, skinned)); !ok) return ok;
+    const auto decoded = decodeMesh(in, instance.mesh);
+    if (!decoded) return std::unexpected(decoded.error());
+    const GltfMesh& mesh = **decoded;
+    if (auto ok = at(place, spend(in.data.budget, mesh.parts.size(), sizeof(Part))); !ok) return ok;
+    std::vector<size_t> firstVertex;
+    for (const GltfVertices& vertices : mesh.vertices) {
+        firstVertex.push_back(in.scene.mesh.positions.size());
+        const bool skinned = instance.skin >= 0 && vertices.skinned;
+        if (auto ok = at(place, appendVertices(in, vertices, instance, skinned)); !ok) return ok;
+    }
+    for (size_t p = 0; p < mesh.parts.size(); ++p) {
+        const GltfMesh::Part& part = mesh.parts[p];
+        if (part.indices.empty()) continue;
+        const bool skinned = instance.skin >= 0 && mesh.vertices[part.vertices].skinned;
+        if (instance.skin >= 0 && !skinned) in.notes.add(GltfNote::unskinned);
         std::vector<uint32_t>& indices = in.scene.mesh.indices;
-        if (indices.size() + part.mesh.indices.size() > kMaxIndices)
+        if (indices.size() + part.indices.size() > kMaxIndices)
             return inputError(std::format("the scene has more than {} triangles", kMaxIndices / 3));
+        if (auto ok = at(place, spend(in.data.budget, part.indices.size(), sizeof(uint32_t))); !ok) return ok;
         const auto begin = static_cast<uint32_t>(indices.size());
-        for (const uint32_t index : part.mesh.indices) indices.push_back(static_cast<uint32_t>(firstVertex[p] + index));
-        if (!skinned && in.mirrored[in.order.place[instance.node]])
+        for (const uint32_t index : part.indices)
+            indices.push_back(static_cast<uint32_t>(firstVertex[part.vertices] + index));
+        // glTF 2.0, section 3.7.2.1: the node's transform says which side is the front, for skinned meshes too.
+        if (in.mirrored[in.order.place[instance.node]])
             for (size_t i = begin; i < indices.size(); i += 3) std::swap(indices[i + 1], indices[i + 2]);
         in.scene.parts.push_back(
-            {partName(in, instance, p), begin, static_cast<uint32_t>(part.mesh.indices.size()), !skinned});
+            {partName(in, instance, p), begin, static_cast<uint32_t>(part.indices.size()), !skinned});
     }
     return {};
 }
 
-std::vector<bool> mirroredNodes(const Skeleton& skeleton) {
-    std::vector<bool> mirrored(skeleton.nodes.size());
-    for (size_t i = 0; i < mirrored.size(); ++i) {
-        const Node& node = skeleton.nodes[i];
-        const float sign =
-            node.matrix ? glm::determinant(glm::mat3(*node.matrix)) : node.scale.x * node.scale.y * node.scale.z;
-        mirrored[i] = (sign < 0) != (node.parent >= 0 && mirrored[node.parent]);
+// Joints that mirror what the mesh's node does not, or the other way round, show the inside.
+void warnOfMirroredJoints(const Importer& in, const std::vector<Instance>& instances) {
+    const std::vector<glm::dmat4> global = toModelSpace({in.scene.skeleton.nodes});
+    std::set<int> seen;
+    size_t other = 0, all = 0;
+    for (const Instance& instance : instances) {
+        if (instance.skin < 0 || !seen.insert(instance.skin).second) continue;
+        const size_t first = in.skinJoints.at(instance.skin), count = in.model.skins[instance.skin].joints.size();
+        all += count;
+        for (size_t j = first; j < first + count; ++j) {
+            const Joint& joint = in.scene.skeleton.joints[j];
+            const double sign = glm::determinant(glm::dmat3(global[joint.node])) *
+                                glm::determinant(glm::dmat3(glm::mat3(joint.inverseBind)));
+            if (sign != 0 && (sign < 0) != in.mirrored[in.order.place[instance.node]]) ++other;
+        }
     }
-    return mirrored;
+    if (other > 0)
+        in.scene.warnings.push_back(std::format(
+            "{} of {} joints mirror the mesh where its node does not, or the other way round; the node decides which "
+            "side is the front, so parts may be drawn inside out",
+            other, all));
 }
 
-void addWarnings(const GltfRepairs& repairs, const Ignored& ignored, std::vector<std::string>& warnings) {
-    for (std::string& text : describe(repairs)) warnings.push_back(std::move(text));
-    if (ignored.morphs) warnings.push_back("morph targets are ignored");
-    if (ignored.targets) warnings.push_back("animation channels with an unknown target are ignored");
-    if (ignored.matrices)
-        warnings.push_back("animated nodes with a matrix had it split into translation, rotation and scale");
+// Once the scene is built: what used a broken part was an error.
+void warnOfBrokenParts(const GltfTree& tree, std::vector<std::string>& warnings) {
+    size_t count = 0;
+    std::string first;
+    for (const GltfFaults* faults : {&tree.views, &tree.accessors, &tree.meshes, &tree.skins}) {
+        if (count == 0 && !faults->empty()) first = faults->begin()->second;
+        count += faults->size();
+    }
+    if (count == 1) warnings.push_back("a part of the file that nothing uses is broken: " + first);
+    if (count > 1)
+        warnings.push_back(
+            std::format("{} parts of the file that nothing uses are broken; the first: {}", count, first));
 }
 
 Result<Scene> buildScene(const tinygltf::Model& model, const GltfFile& file) {
-    const auto data = makeData(model, file);
-    if (!data) return std::unexpected(data.error());
+    GltfData data = makeData(model, file);
     const auto order = orderNodes(model);
     if (!order) return std::unexpected(order.error());
     Scene scene;
@@ -471,24 +352,36 @@ Result<Scene> buildScene(const tinygltf::Model& model, const GltfFile& file) {
         scene.skeleton.nodes.push_back(
             makeNode(model.nodes[node], parent < 0 ? -1 : static_cast<int>(order->place[parent])));
     }
-    const auto instances = findInstances(model, *order, scene.warnings);
+    GltfNotes notes = file.tree.notes;
+    const auto instances = findInstances(model, *order, file.tree.hidden, scene, notes);
     if (!instances) return std::unexpected(instances.error());
-    Importer in{model, *data, *order, scene, std::vector<std::vector<GltfMeshPart>>(model.meshes.size()),
-                {},    {},    {},     {},    {}};
-    if (auto ok = addClips(model, *data, *order, scene, in.ignored); !ok) return std::unexpected(ok.error());
-    in.mirrored = mirroredNodes(scene.skeleton);
+    if (auto ok = addClips(model, file.tree.animations, data, *order, scene, notes); !ok)
+        return std::unexpected(ok.error());
+    Importer in{model,
+                file.tree,
+                *order,
+                data,
+                scene,
+                notes,
+                {},
+                {},
+                {},
+                mirroredNodes(scene.skeleton),
+                rootsOf(scene.skeleton)};
     // All skins come first, so that the joint numbers of a file do not depend on its static meshes.
     for (const Instance& instance : *instances) {
         if (instance.skin < 0 || in.skinJoints.contains(instance.skin)) continue;
-        const auto first =
-            at(std::format("skin {}", instance.skin), addSkin(model, instance.skin, *data, *order, scene.skeleton));
+        const auto first = addSkin(in, instance.skin);
         if (!first) return std::unexpected(first.error());
         in.skinJoints[instance.skin] = *first;
     }
     for (const Instance& instance : *instances)
         if (auto ok = addInstance(in, instance); !ok) return std::unexpected(ok.error());
     if (scene.mesh.indices.empty()) return inputError("has no triangle to draw");
-    addWarnings(in.repairs, in.ignored, scene.warnings);
+    for (std::string& text : describe(notes)) scene.warnings.push_back(std::move(text));
+    for (std::string& text : describe(file.tree.extensions)) scene.warnings.push_back(std::move(text));
+    warnOfBrokenParts(file.tree, scene.warnings);
+    warnOfMirroredJoints(in, *instances);
     if (auto ok = checkScene(scene); !ok) return std::unexpected(ok.error());
     return scene;
 }
@@ -496,7 +389,7 @@ Result<Scene> buildScene(const tinygltf::Model& model, const GltfFile& file) {
 Result<Scene> loadUnnamed(const std::string& path) {
     const auto file = readGltfFile(path);
     if (!file) return std::unexpected(file.error());
-    const auto model = parseModel(file->json);
+    const auto model = parseModel(file->tree.json);
     if (!model) return std::unexpected(model.error());
     return buildScene(*model, *file);
 }
@@ -505,11 +398,12 @@ Result<Scene> loadUnnamed(const std::string& path) {
 
 Result<Scene> loadGltf(const std::string& path) {
     const std::filesystem::path source(path);
-    const std::string name = source.has_filename() ? source.filename().string() : path;
+    // Names end up in JSON, which holds UTF-8 only.
+    const std::string name = toUtf8(source.has_filename() ? source.filename().string() : path);
     try {
         auto scene = loadUnnamed(path);
         if (!scene) return failed(name, scene.error());
-        scene->name = source.stem().string();
+        scene->name = toUtf8(source.stem().string());
         return scene;
     } catch (const std::bad_alloc&) {
         return inputError(name + ": does not fit into memory");
