@@ -25,6 +25,7 @@ int runSceneExport(const std::string& name, const std::string& out) {
     auto scene = loadScene(
         name.find(':') == std::string::npos && name.find('.') == std::string::npos ? "builtin:" + name : name);
     if (!scene) return reportError(scene.error());
+    for (const std::string& warning : scene->warnings) warn(scene->name + ": " + warning);
     auto saved = saveGlb(*scene, out);
     return saved ? kExitDone : reportError(saved.error());
 }

@@ -243,3 +243,49 @@ TEST_CASE("a broken scene is not saved") {
     CHECK_THAT(saved.error().text, ContainsSubstring("broken.glb"));
     CHECK(fs::is_empty(folder.path));
 }
+
+TEST_CASE("joints without a common root get one") {
+    const Folder folder;
+    Scene scene = wideScene();
+    scene.skeleton.nodes[150].parent = -1;
+    REQUIRE(saveGlb(scene, folder.file("roots.glb")));
+    const auto json = jsonOf(readAll(folder.file("roots.glb")));
+    REQUIRE(json["scenes"][0]["nodes"].size() == 2);  // the root and the mesh
+    const size_t root = json["scenes"][0]["nodes"][0];
+    CHECK(json["nodes"][root]["children"] == nlohmann::json({0, 150}));
+    const auto loaded = loadGltf(folder.file("roots.glb"));
+    REQUIRE(loaded);
+    CHECK(loaded->warnings.empty());
+    CHECK(loaded->skeleton.joints.size() == 300);
+}
+
+TEST_CASE("what glTF forbids is put right on the way out") {
+    const Folder folder;
+    Scene scene = wideScene();
+    scene.skeleton.nodes[1].rotation = {2, 0, 0, 0};
+    scene.skeleton.joints[0].inverseBind[0][3] = 5;
+    scene.mesh.influences[0].weights[0] = 3;
+    scene.mesh.influences[1].joints[0] = scene.mesh.influences[1].joints[1];
+    const Channel channel{0, ChannelPath::translation, Interpolation::linear, {0}, {{1, 0, 0, 0}}};
+    scene.clips.push_back({"twice", 0, {channel, channel}});
+    scene.clips[0].channels[1].values = {{2, 0, 0, 0}};
+    const Scene loaded = saveAndLoad(scene, folder.file("clean.glb"));
+    CHECK(loaded.warnings.empty());
+    CHECK(loaded.skeleton.nodes[1].rotation == glm::quat(1, 0, 0, 0));
+    CHECK(loaded.skeleton.joints[0].inverseBind == glm::mat4(1));
+    CHECK(loaded.mesh.influences[2] == scene.mesh.influences[2]);
+    REQUIRE(loaded.clips[0].channels.size() == 1);
+    CHECK(loaded.clips[0].channels[0].values[0].x == 2);
+}
+
+TEST_CASE("a name that does not end in .glb is refused") {
+    const Folder folder;
+    for (const char* name : {"x.gltf", "x", "x.glb.txt", "glb"}) {
+        INFO(name);
+        const auto saved = saveGlb(wideScene(), folder.file(name));
+        REQUIRE_FALSE(saved);
+        CHECK_THAT(saved.error().text, ContainsSubstring("give a name that ends in .glb"));
+    }
+    CHECK(saveGlb(wideScene(), folder.file("X.GLB")));
+    CHECK(std::distance(fs::directory_iterator(folder.path), fs::directory_iterator()) == 1);
+}

@@ -1,9 +1,13 @@
 // Binary glTF 2.0: a JSON chunk that describes the arrays and a BIN chunk that holds them, both padded to 4 bytes.
 #include <algorithm>
+#include <cctype>
+#include <cmath>
 #include <cstring>
+#include <filesystem>
 #include <map>
 #include <set>
 #include <span>
+#include <utility>
 
 #include <nlohmann/json.hpp>
 
@@ -56,7 +60,10 @@ Json nodeJson(const Node& node) {
             for (int r = 0; r < 4; ++r) matrix.push_back((*node.matrix)[c][r]);
         return json;
     }
-    const glm::quat& q = node.rotation;
+    // Stored rotations may be of any length; glTF asks for one.
+    const double length = glm::length(glm::dquat(node.rotation));
+    const bool unit = std::abs(length - 1) < 1e-6 || !(length > 0);
+    const glm::quat q = unit ? node.rotation : glm::quat(glm::dquat(node.rotation) / length);
     if (node.translation != glm::vec3(0)) json["translation"] = toJson(node.translation);
     if (q != glm::quat(1, 0, 0, 0)) json["rotation"] = {q.x, q.y, q.z, q.w};
     if (node.scale != glm::vec3(1)) json["scale"] = toJson(node.scale);
@@ -65,7 +72,16 @@ Json nodeJson(const Node& node) {
 
 void addChild(Json& nodes, size_t parent, size_t child) { nodes[parent]["children"].push_back(child); }
 
-// Returns the roots. A skin may name a node once only: a joint that shares its node gets a child of its own.
+bool shareRoot(const Skeleton& skeleton) {
+    std::vector<size_t> rootOf(skeleton.nodes.size());
+    for (size_t i = 0; i < rootOf.size(); ++i)
+        rootOf[i] = skeleton.nodes[i].parent < 0 ? i : rootOf[size_t(skeleton.nodes[i].parent)];
+    return std::ranges::all_of(
+        skeleton.joints, [&](const Joint& joint) { return rootOf[joint.node] == rootOf[skeleton.joints[0].node]; });
+}
+
+// Returns the roots. The joints of a skin need a common one. A skin may name a node once only: a joint that shares its
+// node gets a child of its own.
 std::vector<size_t> addNodesAndSkin(const Skeleton& skeleton, Glb& glb) {
     Json nodes = Json::array();
     std::vector<size_t> roots;
@@ -89,12 +105,38 @@ std::vector<size_t> addNodesAndSkin(const Skeleton& skeleton, Glb& glb) {
             }
             joints.push_back(node);
             inverseBinds.push_back(joint.inverseBind);
+            for (int column = 0; column < 4; ++column) inverseBinds.back()[column][3] = column == 3;
         }
         const size_t accessor = glb.add<glm::mat4>(inverseBinds, kFloat, "MAT4", inverseBinds.size());
         glb.json["skins"] = Json::array({{{"inverseBindMatrices", accessor}, {"joints", joints}}});
     }
+    if (!shareRoot(skeleton)) {
+        nodes.push_back({{"name", "root"}, {"children", roots}});
+        roots = {nodes.size() - 1};
+    }
     glb.json["nodes"] = std::move(nodes);
     return roots;
+}
+
+// glTF wants weights that sum to 1 and each joint once. Vertices that obey stay as they are.
+Mesh withCleanWeights(const Mesh& mesh) {
+    Mesh out = mesh;
+    for (size_t v = 0; v < mesh.influences.size(); ++v) {
+        const Influences& in = mesh.influences[v];
+        double sum = 0;
+        bool repeated = false;
+        for (int i = 0; i < kMaxInfluences; ++i) {
+            sum += in.weights[i];
+            for (int k = 0; k < i; ++k)
+                repeated |= in.joints[k] == in.joints[i] && in.weights[k] > 0 && in.weights[i] > 0;
+        }
+        if (!repeated && std::abs(sum - 1) < 1e-6) continue;
+        Mesh one;
+        one.influences = {in};
+        cleanWeights(one, kMaxInfluences);
+        out.influences[v] = one.influences[0];
+    }
+    return out;
 }
 
 // Four of a vertex' eight places.
@@ -116,7 +158,7 @@ size_t addWeights(const Mesh& mesh, size_t first, Glb& glb) {
 }
 
 Json addAttributes(const Scene& scene, Glb& glb) {
-    const Mesh& mesh = scene.mesh;
+    const Mesh mesh = withCleanWeights(scene.mesh);
     const size_t count = mesh.positions.size();
     Json attributes;
     attributes["POSITION"] = glb.add<glm::vec3>(mesh.positions, kFloat, "VEC3", count, kVertices);
@@ -177,7 +219,11 @@ void addClips(const std::vector<Clip>& clips, Glb& glb) {
     std::map<std::vector<float>, size_t> inputs;
     for (const Clip& clip : clips) {
         Json channels = Json::array(), samplers = Json::array();
+        // Of two channels with one target the last holds.
+        std::map<std::pair<uint32_t, ChannelPath>, const Channel*> last;
+        for (const Channel& channel : clip.channels) last[{channel.node, channel.path}] = &channel;
         for (const Channel& channel : clip.channels) {
+            if (last[{channel.node, channel.path}] != &channel) continue;
             const auto [input, isNew] = inputs.try_emplace(channel.times, 0);
             if (isNew) {
                 input->second = glb.add<float>(channel.times, kFloat, "SCALAR", channel.times.size());
@@ -211,6 +257,12 @@ Glb makeGlb(const Scene& scene) {
     return glb;
 }
 
+bool isGlb(const std::string& path) {
+    std::string suffix = std::filesystem::path(path).extension().string();
+    std::ranges::transform(suffix, suffix.begin(), [](unsigned char c) { return char(std::tolower(c)); });
+    return suffix == ".glb";
+}
+
 void putWord(std::string& out, uint32_t word) {
     for (int shift = 0; shift < 32; shift += 8) out.push_back(char(word >> shift & 0xFF));
 }
@@ -218,6 +270,7 @@ void putWord(std::string& out, uint32_t word) {
 }  // namespace
 
 Result<void> saveGlb(const Scene& scene, const std::string& path) {
+    if (!isGlb(path)) return inputError(path + ": scenes are written as binary glTF; give a name that ends in .glb");
     if (auto good = checkScene(scene); !good) return inputError(path + ": cannot save: " + good.error().text);
     const Glb glb = makeGlb(scene);
     // Names may hold bytes that are not UTF-8; they must not throw.
