@@ -19,6 +19,9 @@ struct FileHeader {
     uint64_t hash = 0;
 };
 
+// Drivers' caches of all our pipelines take a few MiB; more is no cache of ours, and is not read.
+constexpr uint64_t kLargestFile = uint64_t{256} << 20;
+
 // FNV-1a.
 uint64_t hashBytes(std::string_view data) {
     uint64_t hash = 0xcbf29ce484222325;
@@ -55,6 +58,9 @@ bool isOfThisDevice(const Device& device, std::string_view data) {
 
 // Empty: there is none that can be used.
 std::string readCache(const Device& device, const fs::path& path) {
+    std::error_code error;
+    const uint64_t size = fs::file_size(path, error);
+    if (error || size < sizeof(FileHeader) || size > kLargestFile) return {};
     const auto file = readWholeFile(path.string());
     FileHeader header, expected;
     if (!file || file->size() < sizeof header) return {};
@@ -67,6 +73,7 @@ std::string readCache(const Device& device, const fs::path& path) {
 
 void writeCache(const fs::path& path, const std::string& data) {
     const FileHeader header{.bytes = data.size(), .hash = hashBytes(data)};
+    // A cache that cannot be written is made anew by the next run.
     (void)writeWholeFile(path.string(), std::string(reinterpret_cast<const char*>(&header), sizeof header) + data);
 }
 

@@ -1,6 +1,7 @@
-// Output files that are either whole or absent.
+// Output files that are either whole or absent, and input files read at once.
 #pragma once
 
+#include <span>
 #include <string>
 #include <string_view>
 
@@ -8,11 +9,17 @@
 
 namespace skinbench {
 
-// Writes to a temporary file beside `path` and renames it, so that a full disk or a signal leaves the old file as it
-// was. Missing folders of the path are made.
+// Writes to a new file beside `path` and renames it, so that a full disk or a signal leaves the old file as it was and
+// processes never share an unfinished file. Missing folders of the path are made. What is no regular file is never
+// replaced: bytes go through to a pipe, a character device or an open descriptor (/dev/stdout); a folder, a symbolic
+// link and a block device are refused.
 Result<void> writeWholeFile(const std::string& path, std::string_view bytes);
 
-// At most 1 GiB.
+// What would stop writeWholeFile, before there is anything to write: the same refusals, a folder in which no file can
+// be made, and an output that is one of `inputs`. Makes the folder.
+Result<void> checkOutput(const std::string& path, std::span<const std::string> inputs = {});
+
+// A pipe is read to its end. At most 1 GiB.
 Result<std::string> readWholeFile(const std::string& path);
 
 }  // namespace skinbench

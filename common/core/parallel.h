@@ -4,8 +4,10 @@
 
 #include <algorithm>
 #include <cstddef>
+#include <exception>
 #include <map>
 #include <mutex>
+#include <system_error>
 #include <thread>
 #include <type_traits>
 #include <utility>
@@ -13,22 +15,42 @@
 
 namespace skinbench {
 
+// Calls body(part) once for each of `parts` parts, all at the same time. Where the system has no more threads, this one
+// does what is left. What a part throws (a lack of memory) is thrown again when all have ended.
+template <class Body>
+void parallelEach(size_t parts, const Body& body) {
+    std::exception_ptr thrown;
+    std::mutex lock;
+    auto guarded = [&](size_t part) {
+        try {
+            body(part);
+        } catch (...) {
+            const std::scoped_lock held(lock);
+            thrown = std::current_exception();
+        }
+    };
+    {
+        std::vector<std::jthread> workers;
+        workers.reserve(parts);
+        size_t started = 1;
+        try {
+            for (; started < parts; ++started) workers.emplace_back(guarded, started);
+        } catch (const std::system_error&) {
+        }
+        if (parts > 0) guarded(0);
+        for (; started < parts; ++started) guarded(started);
+    }
+    if (thrown) std::rethrow_exception(thrown);
+}
+
+inline size_t coreCount() { return std::max(1u, std::thread::hardware_concurrency()); }
+
 // Calls body(begin, end) for disjoint ranges that cover [0, count). Small inputs stay on the calling thread.
 template <class Body>
 void parallelRanges(size_t count, const Body& body) {
     constexpr size_t kGrain = 16'384;
-    const size_t cores = std::max(1u, std::thread::hardware_concurrency());
-    const size_t threads = std::min(cores, (count + kGrain - 1) / kGrain);
-    if (threads <= 1) {
-        body(size_t{0}, count);
-        return;
-    }
-    std::vector<std::jthread> workers;
-    workers.reserve(threads - 1);
-    for (size_t t = 1; t < threads; ++t) {
-        workers.emplace_back([&body, count, threads, t] { body(count * t / threads, count * (t + 1) / threads); });
-    }
-    body(size_t{0}, count / threads);
+    const size_t threads = std::max<size_t>(1, std::min(coreCount(), (count + kGrain - 1) / kGrain));
+    parallelEach(threads, [&](size_t t) { body(count * t / threads, count * (t + 1) / threads); });
 }
 
 // What body(begin, end) returns for each range, by the range's begin. The same count has the same ranges again.

@@ -3,8 +3,8 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <system_error>
-#include <thread>
+
+#include "common/core/parallel.h"
 
 namespace skinbench {
 namespace {
@@ -74,17 +74,7 @@ void skinOnCpu(const CpuSkinJob& job, unsigned threads) {
 
     const size_t workers = std::clamp<size_t>(threads, 1, std::max<size_t>(total, 1));
     const auto rangeEnd = [&](size_t worker) { return total * worker / workers; };
-    std::vector<std::jthread> pool;
-    pool.reserve(workers - 1);
-    size_t started = 1;
-    try {
-        for (; started < workers; ++started)
-            pool.emplace_back(skinRange, std::cref(job), vertices, rangeEnd(started), rangeEnd(started + 1));
-    } catch (const std::system_error&) {
-        // The system has no more threads: this one does what is left.
-    }
-    skinRange(job, vertices, 0, rangeEnd(1));
-    skinRange(job, vertices, rangeEnd(started), total);
+    parallelEach(workers, [&](size_t worker) { skinRange(job, vertices, rangeEnd(worker), rangeEnd(worker + 1)); });
 }
 
 SkinError compareSkinned(const SkinnedReference& reference, std::span<const SkinnedVertex> measured, double scale) {

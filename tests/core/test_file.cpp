@@ -2,10 +2,13 @@
 #include <filesystem>
 #include <fstream>
 
+#include <fcntl.h>
 #include <sys/resource.h>
 #include <sys/stat.h>
+#include <unistd.h>
 
 #include <csignal>
+#include <thread>
 
 #include <catch2/catch_test_macros.hpp>
 #include <catch2/matchers/catch_matchers_string.hpp>
@@ -98,14 +101,12 @@ TEST_CASE("a write that stops half-way leaves the old file as it was") {
 
 TEST_CASE("what cannot be read is told with its path") {
     const fs::path folder = freshFolder("unreadable");
-    const std::string huge = (folder / "huge").string(), fifo = (folder / "fifo").string();
+    const std::string huge = (folder / "huge").string();
     std::ofstream(huge).put('x');
     fs::resize_file(huge, (uintmax_t{1} << 30) + 1);
-    REQUIRE(mkfifo(fifo.c_str(), 0600) == 0);
     const std::vector<std::pair<std::string, const char*>> cases = {{(folder / "missing").string(), "No such file"},
                                                                     {folder.string(), "is a folder"},
                                                                     {huge, "larger than 1 GiB"},
-                                                                    {fifo, ""},
                                                                     {"/dev/zero", ""},
                                                                     {"", ""}};
     for (const auto& [path, why] : cases) {
@@ -115,4 +116,87 @@ TEST_CASE("what cannot be read is told with its path") {
         CHECK(read.error().text.starts_with(path + ": "));
         CHECK_THAT(read.error().text, ContainsSubstring(why));
     }
+}
+
+TEST_CASE("a pipe is read to its end, and written through") {
+    const fs::path folder = freshFolder("pipe");
+    const std::string fifo = (folder / "fifo").string(), bytes(200'000, 'x');
+    REQUIRE(mkfifo(fifo.c_str(), 0600) == 0);
+    Result<void> written;
+    std::jthread writer([&] { written = writeWholeFile(fifo, bytes); });
+    const auto read = readWholeFile(fifo);
+    writer.join();
+    CHECK(written);
+    REQUIRE(read);
+    CHECK(*read == bytes);
+    CHECK(fs::is_fifo(fifo));
+    CHECK(filesIn(folder) == 1);
+}
+
+TEST_CASE("a device stays a device, and an open descriptor keeps its place") {
+    CHECK(writeWholeFile("/dev/null", "text"));
+    CHECK(fs::is_character_file("/dev/null"));
+    const auto full = writeWholeFile("/dev/full", "text");
+    REQUIRE(!full);
+    CHECK_THAT(full.error().text, ContainsSubstring("No space left"));
+    const std::string path = (freshFolder("descriptor") / "file").string();
+    const int file = open(path.c_str(), O_RDWR | O_CREAT, 0600);
+    REQUIRE(file >= 0);
+    const std::string number = std::to_string(file);
+    CHECK(writeWholeFile("/dev/fd/" + number, "first "));
+    CHECK(writeWholeFile("/proc/self/fd/" + number, "second"));
+    close(file);
+    CHECK(*readWholeFile(path) == "first second");
+}
+
+TEST_CASE("a symbolic link is neither replaced nor followed") {
+    const fs::path folder = freshFolder("link");
+    REQUIRE(writeWholeFile((folder / "victim").string(), "old"));
+    for (const char* target : {"victim", "nowhere", "."}) {
+        const fs::path link = folder / "link";
+        fs::remove(link);
+        fs::create_symlink(target, link);
+        for (const auto& refused : {writeWholeFile(link.string(), "new"), checkOutput(link.string())}) {
+            REQUIRE(!refused);
+            CHECK_THAT(refused.error().text, ContainsSubstring("is a symbolic link"));
+        }
+        CHECK(fs::is_symlink(link));
+    }
+    CHECK(*readWholeFile((folder / "victim").string()) == "old");
+    CHECK(!fs::exists(folder / "nowhere"));
+}
+
+TEST_CASE("an output is checked before there is anything to write") {
+    const fs::path folder = freshFolder("check");
+    const std::string a = (folder / "a").string();
+    REQUIRE(writeWholeFile(a, "old"));
+    CHECK(checkOutput(a));
+    CHECK(checkOutput((folder / "new" / "b").string()));
+    CHECK(fs::is_empty(folder / "new"));
+    CHECK(*readWholeFile(a) == "old");
+    fs::create_hard_link(a, folder / "same");
+    for (const std::string& same : {a, (folder / "." / "a").string(), (folder / "same").string()}) {
+        const auto refused = checkOutput(same, {&a, 1});
+        REQUIRE(!refused);
+        CHECK_THAT(refused.error().text, ContainsSubstring("is an input"));
+    }
+    CHECK(!checkOutput((folder / "a" / "below").string()));
+    CHECK(!checkOutput("/proc/x"));
+    CHECK(!checkOutput(""));
+}
+
+TEST_CASE("two who write one file at once leave one of the two texts") {
+    const fs::path folder = freshFolder("both");
+    const std::string path = (folder / "file").string(), one(50'000, '1'), two(70'000, '2');
+    std::vector<std::jthread> writers;
+    for (const std::string* text : {&one, &two})
+        writers.emplace_back([&path, text] {
+            for (int i = 0; i < 50; ++i)
+                if (!writeWholeFile(path, *text)) std::abort();
+        });
+    writers.clear();
+    const auto read = readWholeFile(path);
+    REQUIRE(read);
+    CHECK((*read == one || *read == two));
+    CHECK(filesIn(folder) == 1);
 }

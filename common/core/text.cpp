@@ -1,0 +1,182 @@
+#include "common/core/text.h"
+
+#include <charconv>
+#include <cstdint>
+#include <format>
+#include <vector>
+
+#include <nlohmann/json.hpp>
+
+namespace skinbench {
+namespace {
+
+constexpr std::string_view kReplacement = "\xEF\xBF\xBD";  // U+FFFD
+
+struct Character {
+    uint32_t code = 0;
+    std::string_view bytes;  // as they were, or kReplacement
+};
+
+// Cuts the first character off `text`. Overlong forms, surrogates and codes above U+10FFFF are no UTF-8.
+Character takeCharacter(std::string_view& text) {
+    const auto lead = static_cast<uint8_t>(text.front());
+    const size_t length = lead < 0x80 ? 1 : lead >= 0xF0 ? 4 : lead >= 0xE0 ? 3 : 2;
+    uint32_t code = length == 1 ? lead : lead & (0x7Fu >> length);
+    bool right = lead < 0x80 || (lead >= 0xC2 && lead <= 0xF4);
+    size_t taken = 1;
+    for (; right && taken < length; ++taken) {
+        const uint8_t next = taken < text.size() ? static_cast<uint8_t>(text[taken]) : 0;
+        if ((next & 0xC0) != 0x80) break;
+        code = code << 6 | (next & 0x3F);
+    }
+    constexpr uint32_t kSmallest[] = {0, 0, 0x80, 0x800, 0x10000};
+    right =
+        right && taken == length && code >= kSmallest[length] && code <= 0x10FFFF && (code < 0xD800 || code > 0xDFFF);
+    const std::string_view bytes = text.substr(0, taken);
+    text.remove_prefix(taken);
+    return right ? Character{code, bytes} : Character{0xFFFD, kReplacement};
+}
+
+template <class Visit>
+void eachCharacter(std::string_view text, const Visit& visit) {
+    while (!text.empty()) visit(takeCharacter(text));
+}
+
+bool steersTerminal(uint32_t code) {
+    const bool control = code < 0x20 || (code >= 0x7F && code <= 0x9F);
+    const bool separator = code == 0x2028 || code == 0x2029;
+    const bool direction = (code >= 0x200E && code <= 0x200F) || (code >= 0x202A && code <= 0x202E) ||
+                           (code >= 0x2066 && code <= 0x2069) || code == 0x061C;
+    return control || separator || direction;
+}
+
+std::string shownCharacter(const Character& character) {
+    if (!steersTerminal(character.code)) return std::string(character.bytes);
+    switch (character.code) {
+        case '\n':
+            return "\\n";
+        case '\r':
+            return "\\r";
+        case '\t':
+            return "\\t";
+        default:
+            return character.code < 0x100 ? std::format("\\x{:02x}", character.code)
+                                          : std::format("\\u{:04x}", character.code);
+    }
+}
+
+bool isNumber(std::string_view text) {
+    double value = 0;
+    if (text.starts_with('+')) text.remove_prefix(1);
+    const auto parsed = std::from_chars(text.data(), text.data() + text.size(), value);
+    return parsed.ec == std::errc() && parsed.ptr == text.data() + text.size();
+}
+
+template <class Json>
+std::string dumped(const Json& json, int indent) {
+    const std::string text = json.dump(indent, ' ', false, Json::error_handler_t::replace);
+    std::string safe;
+    safe.reserve(text.size());
+    eachCharacter(text, [&](const Character& c) {
+        if (c.code >= 0x7F && c.code <= 0x9F)
+            safe += std::format("\\u{:04x}", c.code);
+        else
+            safe += c.bytes;
+    });
+    return safe;
+}
+
+}  // namespace
+
+std::string terminalText(std::string_view text) {
+    std::string shown;
+    eachCharacter(text, [&](const Character& character) { shown += shownCharacter(character); });
+    return shown;
+}
+
+std::string terminalText(std::string_view text, size_t most) {
+    std::vector<std::string> shown;  // no escape is cut in two
+    size_t length = 0;
+    eachCharacter(text, [&](const Character& character) {
+        shown.push_back(shownCharacter(character));
+        length += steersTerminal(character.code) ? shown.back().size() : 1;
+    });
+    auto lengthOf = [](const std::string& piece) { return piece.starts_with('\\') ? piece.size() : 1; };
+    std::string front, back;
+    size_t begin = 0, end = shown.size(), used = 1;  // the mark
+    // The reason stands at the end of a message, what it is about at its beginning: two thirds for that one.
+    while (length > most && begin < end && used + lengthOf(shown[begin]) <= most * 2 / 3) {
+        used += lengthOf(shown[begin]);
+        front += shown[begin++];
+    }
+    while (length > most && begin < end && used + lengthOf(shown[end - 1]) <= most) {
+        used += lengthOf(shown[end - 1]);
+        back.insert(0, shown[--end]);
+    }
+    if (length > most) return front + "…" + back;
+    for (const std::string& piece : shown) front += piece;
+    return front;
+}
+
+std::string csvText(std::string_view text) {
+    std::string field;
+    if (!text.empty() && std::string_view("=+-@\t\r").contains(text.front()) && !isNumber(text)) field = "'";
+    eachCharacter(text, [&](const Character& character) { field += character.bytes; });
+    if (field.find_first_of(",;\"\r\n") == std::string::npos) return field;
+    std::string quoted = "\"";
+    for (char c : field) quoted += c == '"' ? "\"\"" : std::string(1, c);
+    return quoted + "\"";
+}
+
+std::string htmlText(std::string_view text) {
+    std::string safe;
+    eachCharacter(text, [&](const Character& character) {
+        switch (character.code) {
+            case '&':
+                safe += "&amp;";
+                break;
+            case '<':
+                safe += "&lt;";
+                break;
+            case '>':
+                safe += "&gt;";
+                break;
+            case '"':
+                safe += "&quot;";
+                break;
+            case '\'':
+                safe += "&#39;";
+                break;
+            default:
+                safe += character.bytes;
+        }
+    });
+    return safe;
+}
+
+std::string dumpJson(const nlohmann::ordered_json& json, int indent) { return dumped(json, indent); }
+
+std::string dumpJson(const nlohmann::json& json, int indent) { return dumped(json, indent); }
+
+Result<void> checkJsonShape(std::string_view text, const JsonLimits& limits) {
+    std::vector<size_t> keys;  // of every object that is open, 0 for an array
+    bool inString = false;
+    for (size_t i = 0; i < text.size(); ++i) {
+        const char c = text[i];
+        if (inString) {
+            if (c == '\\') ++i;
+            if (c == '"') inString = false;
+            continue;
+        }
+        if (c == '"') inString = true;
+        if (c == '{' || c == '[') keys.push_back(0);
+        if ((c == '}' || c == ']') && !keys.empty()) keys.pop_back();
+        if (c == ':' && !keys.empty() && ++keys.back() > limits.keys)
+            return inputError(std::format("holds an object with more than {} keys", limits.keys));
+        if (keys.size() > static_cast<size_t>(limits.depth))
+            return inputError(std::format("nests its JSON deeper than {} levels", limits.depth));
+    }
+    return {};
+}
+
+}  // namespace skinbench
