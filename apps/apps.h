@@ -14,9 +14,14 @@ namespace skinbench {
 
 inline constexpr int kExitDone = 0, kExitFailed = 1, kExitBadInput = 2;
 
-// Prints "skinbench: <text>" and gives the exit status of the fault.
-int reportError(const Error& error);
+// One line on standard error each, whatever is in the text: "skinbench: <text>". reportError gives the exit status of
+// the fault.
+void say(const std::string& text);
 void warn(const std::string& text);
+int reportError(const Error& error);
+
+// Standard output has reached its reader, else kExitFailed and a line that says so.
+int flushOutput();
 
 // --- devices (devices.cpp) -------------------------------------------------------------------------------------
 
@@ -92,7 +97,8 @@ std::string viewWarning(Workload& workload, int influences);
 
 // --- running cases (running.cpp) -------------------------------------------------------------------------------
 
-// The first SIGINT or SIGTERM ends the run after the current case; another one, more than a second later, at once.
+// The first SIGINT, SIGTERM or SIGHUP ends the run after the current case; another one, more than a second later, at
+// once. A signal that was ignored stays so (nohup). A reader of standard output that goes away ends nothing.
 void catchInterrupts();
 bool interrupted();
 
@@ -102,6 +108,19 @@ BenchEvents consoleEvents(RunContext& context);
 
 // A checkpoint that takes no more than a tenth of the run, so a crash loses the cases of ten writes at the most.
 Checkpoint nowAndThen(Checkpoint write);
+
+// A checkpoint that could not be written is a warning, and no second one after `warned`; the next one tries again.
+void warnOnce(bool& warned, const Result<void>& written);
+
+// A file's suffix says what is in it: `wanted`, or none at all, as /dev/stdout has.
+Result<void> checkSuffix(const std::string& path, const std::string& wanted);
+
+// "results.json" becomes "results.previous.json" in the same folder, whole at every moment. Nothing happens without it.
+void keepPrevious(const std::string& path);
+
+// Path and text of each. Writes all that can be written; what cannot is one line on standard error and status 1. The
+// first one, unless it is `printed` already, then goes to the folder for temporary files, and the line says where.
+int writeOutputs(const std::vector<std::pair<std::string, std::string>>& files, bool printed);
 
 // Everything but `bench` and `calibrations`. `scene` is the workload's, prepared.
 RunContext runContext(const Devices& devices, const Workload& workload, const Scene& scene);
@@ -134,6 +153,7 @@ int runRender(const RenderOptions& options);
 
 struct InspectOptions {
     Selectors selectors;  // scene and words
+    bool all = false;     // InspectSettings::all
     bool json = false;
 };
 int runInspect(const InspectOptions& options);
@@ -162,6 +182,7 @@ int runSceneExport(const std::string& name, const std::string& out);
 struct CompareOptions {
     std::string a, b;
     std::optional<double> failAbove;  // percent
+    bool allowMissing = false;        // by failAbove: B may lack cases of A
     bool json = false;
 };
 int runCompare(const CompareOptions& options);

@@ -1,6 +1,5 @@
 #include <algorithm>
 #include <format>
-#include <iostream>
 #include <map>
 #include <set>
 
@@ -72,8 +71,8 @@ Result<std::vector<Calibration>> calibrateShapes(Workload& workload, std::vector
                 }
             }
             if (!calibration.tried.empty()) {
-                std::cerr << std::format("skinbench: auto: {}: fastest of {} shapes ({:.3f} ms)\n", calibration.chosen,
-                                         calibration.tried.size(), fastest);
+                say(std::format("auto: {}: fastest of {} shapes ({:.3f} ms)", calibration.chosen,
+                                calibration.tried.size(), fastest));
                 calibrations.push_back(std::move(calibration));
             }
         }

@@ -1,20 +1,58 @@
 #include <algorithm>
+#include <filesystem>
 #include <format>
 #include <iostream>
+#include <utility>
 
 #include <nlohmann/json.hpp>
 
 #include "apps/apps.h"
 #include "common/core/file.h"
+#include "common/core/text.h"
 #include "common/measure/peaks.h"
 
 namespace skinbench {
 namespace {
 
-Result<void> writeResults(const std::string& folder, const nlohmann::ordered_json& json) {
-    if (folder.empty()) return {};
-    if (auto written = writeWholeFile(folder + "/results.json", json.dump(1) + "\n"); !written) return written;
-    return writeWholeFile(folder + "/results.csv", resultsCsv(json));
+// The files of --out. Those of an earlier run stay until this one has a time, or as `verify` a verified case, of its
+// own; then they are kept beside as results.previous.json and so on.
+struct ResultFiles {
+    std::string folder;  // empty: none
+    bool timed = true;
+    bool begun = false;  // ours are there
+
+    std::string path(const char* name) const { return folder + "/" + name; }
+};
+
+constexpr const char* kResultFiles[] = {"results.json", "results.csv", "report.html"};
+
+// Told before minutes are spent.
+Result<void> checkFiles(const ResultFiles& files, const std::string& scene) {
+    if (files.folder.empty()) return {};
+    for (const char* name : kResultFiles) {
+        std::error_code failed;
+        const auto there = std::filesystem::symlink_status(files.path(name), failed);
+        if (std::filesystem::exists(there) && !std::filesystem::is_regular_file(there))
+            return inputError(files.path(name) + ": is no regular file, and would be written again and again");
+        SKINBENCH_TRY(checkOutput(files.path(name), {&scene, 1}));
+    }
+    return {};
+}
+
+bool isWorthAFile(const ResultFiles& files, const std::vector<CaseResult>& results) {
+    return std::ranges::any_of(results, [&](const CaseResult& result) {
+        return files.timed ? !result.total.empty() : result.status == CaseStatus::ok;
+    });
+}
+
+// Gives whether files may be written now; `own`: the run has something of its own.
+bool begin(ResultFiles& files, bool own) {
+    if (files.folder.empty()) return false;
+    std::error_code failed;
+    if (!files.begun && !own && std::filesystem::exists(files.path("results.json"), failed)) return false;
+    if (!std::exchange(files.begun, true))
+        for (const char* name : kResultFiles) keepPrevious(files.path(name));
+    return true;
 }
 
 std::vector<const Route*> routesOf(const std::vector<Case>& cases) {
@@ -32,7 +70,7 @@ Result<void> resolveAuto(Selectors& selectors) {
         if (auto devices = listDevices(api)) all.insert(all.end(), devices->begin(), devices->end());
     const Choice choice = chooseRoute(all);
     routes = {choice.route->name};
-    std::cerr << "skinbench: route " << choice.route->name << ": " << choice.reason << "\n";
+    say(std::string("route ") + choice.route->name + ": " + choice.reason);
     return {};
 }
 
@@ -46,6 +84,29 @@ int selfTestStatus(const nlohmann::ordered_json& json) {
     return reportError(
         {Fault::device, std::format("{} of {} equal pairs differ beyond their intervals{}", unequal, rows.size(),
                                     kept ? "; --placement fresh averages over where buffers lie" : "")});
+}
+
+// What was measured goes to standard output first: the files' disk may be full.
+int finishRun(const RunOptions& options, ResultFiles& files, const nlohmann::ordered_json& json,
+              const std::vector<CaseResult>& results) {
+    const std::string text = dumpJson(json) + "\n";
+    std::cout << (options.json ? text : resultsTable(json));
+    const int printed = flushOutput();
+    const bool own = isWorthAFile(files, results);
+    int written = kExitDone;
+    if (begin(files, own || !interrupted())) {
+        written = writeOutputs({{files.path("results.json"), text},
+                                {files.path("results.csv"), resultsCsv(json)},
+                                {files.path("report.html"), reportHtml({json})}},
+                               options.json);
+        if (written == kExitDone) say(files.folder + "/results.json, results.csv, report.html");
+    } else if (!files.folder.empty()) {
+        say(files.path("results.json") + " is that of an earlier run");
+    }
+    if (interrupted() && own) say("interrupted; what was measured until then is kept");
+    int status = statusOf(results);
+    if (status == kExitDone) status = selfTestStatus(json);
+    return std::max({status, printed, written});
 }
 
 }  // namespace
@@ -68,6 +129,9 @@ int runCases(const RunOptions& options) {
     const auto outside = viewWarning(*workload, cases->front().influences);
     if (!outside.empty()) warn(outside);
 
+    ResultFiles files{options.out, options.timed};
+    if (auto possible = checkFiles(files, selectors.scene); !possible) return reportError(possible.error());
+
     RunContext context = runContext(*devices, *workload, **scene);
     context.bench = benchSettings(selectors, devices->anyHardware);
     context.bench.timed = options.timed;
@@ -89,23 +153,16 @@ int runCases(const RunOptions& options) {
         context.calibrations = std::move(*calibrations);
     }
     BenchEvents events = consoleEvents(context);
+    bool warned = false;
     events.checkpoint = nowAndThen([&](const std::vector<CaseResult>& results) {
-        return writeResults(options.out, resultsJson(context, results));
+        if (!begin(files, isWorthAFile(files, results))) return;
+        const nlohmann::ordered_json json = resultsJson(context, results);
+        warnOnce(warned, writeWholeFile(files.path("results.json"), dumpJson(json) + "\n"));
+        warnOnce(warned, writeWholeFile(files.path("results.csv"), resultsCsv(json)));
     });
-    if (auto first = events.checkpoint({}); !first) return reportError(first.error());
     auto results = runBench(*workload, *cases, devices->byApi, context.bench, events);
     if (!results) return reportError(results.error());
-
-    const nlohmann::ordered_json json = resultsJson(context, *results);
-    if (auto written = writeResults(options.out, json); !written) return reportError(written.error());
-    if (!options.out.empty())
-        if (auto written = writeWholeFile(options.out + "/report.html", reportHtml({json})); !written)
-            return reportError(written.error());
-    std::cout << (options.json ? json.dump(1) + "\n" : resultsTable(json));
-    if (!options.out.empty()) std::cerr << "skinbench: " << options.out << "/results.json, results.csv, report.html\n";
-    if (interrupted()) std::cerr << "skinbench: interrupted; what was measured until then is kept\n";
-    const int status = statusOf(*results);
-    return status == kExitDone ? selfTestStatus(json) : status;
+    return finishRun(options, files, resultsJson(context, *results), *results);
 }
 
 }  // namespace skinbench

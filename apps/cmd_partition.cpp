@@ -5,6 +5,7 @@
 #include <nlohmann/json.hpp>
 
 #include "apps/selectors.h"
+#include "common/core/text.h"
 #include "common/meshlets/partition.h"
 
 namespace skinbench {
@@ -94,8 +95,8 @@ void printPartition(const PartitionOptions& options, const Request& request, con
     const PaletteHardware& hardware = request.hardware;
     const PartitionPlan& plan = done.plan;
     auto row = [](const char* name, const std::string& value) { std::cout << std::format("{:<10}{}\n", name, value); };
-    row("scene", std::format("{}, {} triangles, {} joints, {} influences", done.scene.name, plan.triangles.size(),
-                             done.scene.skeleton.joints.size(), options.influences));
+    row("scene", std::format("{}, {} triangles, {} joints, {} influences", terminalText(done.scene.name),
+                             plan.triangles.size(), done.scene.skeleton.joints.size(), options.influences));
     row("hardware", std::format("{}, {} slot{}; an upload costs {}, a pass {}", hardware.name, hardware.slots,
                                 hardware.slots == 1 ? "" : "s", hardware.uploadCost, hardware.passCost));
     row("solver", std::format("{}, order {}", request.solver->name, request.order->name));
@@ -119,7 +120,7 @@ int runPartition(const PartitionOptions& options) {
     auto done = partition(options, *request);
     if (!done) return reportError(done.error());
     if (options.json)
-        std::cout << partitionJson(options, *request, *done).dump(1) << "\n";
+        std::cout << dumpJson(partitionJson(options, *request, *done)) << "\n";
     else
         printPartition(options, *request, *done);
     return kExitDone;

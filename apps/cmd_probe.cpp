@@ -4,6 +4,7 @@
 #include <nlohmann/json.hpp>
 
 #include "apps/apps.h"
+#include "common/core/text.h"
 
 namespace skinbench {
 namespace {
@@ -64,8 +65,9 @@ void printLimits(const char* name, const MeshLimitsOfDevice& limits) {
 }
 
 void printDevice(const DeviceCaps& caps) {
-    std::cout << std::format("{}: {}{}\n    {}, {}\n", namesOf(caps.api).name, caps.name,
-                             caps.software ? " (software driver)" : "", caps.version, caps.driver);
+    std::cout << std::format("{}: {}{}\n    {}, {}\n", namesOf(caps.api).name, terminalText(caps.name),
+                             caps.software ? " (software driver)" : "", terminalText(caps.version),
+                             terminalText(caps.driver));
     std::cout << std::format(
         "    timestamps: {} bits of {:g} ns; subgroup: {}; storage buffer: {} MiB; memory: {} MiB\n",
         caps.timestampBits, caps.timestampPeriodNs, caps.subgroupSize ? std::to_string(caps.subgroupSize) : "unknown",
@@ -76,7 +78,7 @@ void printDevice(const DeviceCaps& caps) {
     for (const Json& row : routesJson(caps))
         std::cout << std::format("    {:<7} {:<8} {}\n", row["route"].get<std::string>(),
                                  row["variant"].get<std::string>(),
-                                 row["supported"] ? "yes" : "no: " + row["reason"].get<std::string>());
+                                 row["supported"] ? "yes" : "no: " + terminalText(row["reason"].get<std::string>()));
 }
 
 }  // namespace
@@ -93,19 +95,19 @@ int runProbe(const ProbeOptions& options) {
             device["extensions"] = caps.extensions;
             devices.push_back(device);
         }
-        std::cout
-            << Json{{"schema", "skinbench-probe/1"},
-                    {"devices", devices},
-                    {"missing", found->missing},
-                    {"auto",
-                     {{"route", choice.route->name}, {"variant", choice.variant->name}, {"reason", choice.reason}}}}
-                   .dump(1)
-            << "\n";
+        const Json chosen = {
+            {"route", choice.route->name}, {"variant", choice.variant->name}, {"reason", choice.reason}};
+        std::cout << dumpJson(Json{{"schema", "skinbench-probe/1"},
+                                   {"devices", devices},
+                                   {"missing", found->missing},
+                                   {"auto", chosen}})
+                  << "\n";
         return kExitDone;
     }
     for (const DeviceCaps& caps : found->devices) printDevice(caps);
-    for (const std::string& missing : found->missing) std::cout << missing << "\n";
-    std::cout << "auto: " << choice.route->name << "/" << choice.variant->name << ": " << choice.reason << "\n";
+    for (const std::string& missing : found->missing) std::cout << terminalText(missing) << "\n";
+    std::cout << "auto: " << choice.route->name << "/" << choice.variant->name << ": " << terminalText(choice.reason)
+              << "\n";
     return kExitDone;
 }
 

@@ -1,6 +1,5 @@
-#include <iostream>
-
 #include "apps/apps.h"
+#include "common/core/file.h"
 #include "common/frame/image.h"
 
 namespace skinbench {
@@ -30,7 +29,7 @@ Result<Case> chosenCase(const RenderOptions& options) {
         const Choice choice = chooseRoute(all);
         route = choice.route->name;
         if (words["variant"].empty()) words["variant"] = {choice.variant->name};
-        std::cerr << "skinbench: route " << choice.route->name << ": " << choice.reason << "\n";
+        say(std::string("route ") + choice.route->name + ": " + choice.reason);
     }
     if (selectors.caseIds.empty()) {
         words["route"] = {route};
@@ -72,6 +71,9 @@ Result<Image> render(RenderOptions options) {
 }  // namespace
 
 int runRender(const RenderOptions& options) {
+    if (auto right = checkSuffix(options.out, ".png"); !right) return reportError(right.error());
+    if (auto possible = checkOutput(options.out, {&options.selectors.scene, 1}); !possible)
+        return reportError(possible.error());
     auto image = render(options);
     auto saved = image ? savePng(*image, options.out) : std::unexpected(image.error());
     return saved ? kExitDone : reportError(saved.error());

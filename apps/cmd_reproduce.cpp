@@ -1,3 +1,4 @@
+#include <algorithm>
 #include <format>
 #include <iostream>
 #include <set>
@@ -7,6 +8,7 @@
 
 #include "apps/selectors.h"
 #include "common/core/file.h"
+#include "common/core/text.h"
 #include "common/theses/reproduce.h"
 
 namespace skinbench {
@@ -131,8 +133,8 @@ struct Reproducing {
     const Selectors& selectors;
     const Devices& devices;
     const std::vector<PlannedRun>& runs;
-    std::function<Result<void>(const ReproduceScene&)> save;  // with the scenes that are done
-    std::vector<CaseResult> results;                          // of all runs
+    std::function<void(const ReproduceScene&)> save;  // with the scenes that are done
+    std::vector<CaseResult> results;                  // of all runs
 };
 
 Result<ReproduceRun> runPlanned(Reproducing& all, const ReproduceScene& before, Workload& workload,
@@ -149,7 +151,7 @@ Result<ReproduceRun> runPlanned(Reproducing& all, const ReproduceScene& before, 
     events.checkpoint = nowAndThen([&](const std::vector<CaseResult>& soFar) {
         ReproduceScene scene = before;
         scene.runs.push_back(runOf(soFar));
-        return all.save(scene);
+        all.save(scene);
     });
     auto results = runBench(workload, planned.cases, all.devices.byApi, context.bench, events);
     SKINBENCH_TRY(results);
@@ -159,8 +161,9 @@ Result<ReproduceRun> runPlanned(Reproducing& all, const ReproduceScene& before, 
 
 Result<ReproduceScene> runScene(Reproducing& all, Workload& given) {
     InspectSettings settings;
+    settings.all = true;
     settings.keys = {CiKey::ordered, CiKey::set, CiKey::fit};
-    std::cerr << "skinbench: " << given.stored.name << ": cutting and coding\n";
+    say(given.stored.name + ": cutting and coding");
     auto inspection = inspectScene(given.stored, settings);
     SKINBENCH_TRY(inspection);
     ReproduceScene scene{std::move(*inspection), {}, {}};
@@ -170,8 +173,8 @@ Result<ReproduceScene> runScene(Reproducing& all, Workload& given) {
         scene.errors = std::move(*errors);
     }
     for (const PlannedRun& planned : all.runs) {
-        std::cerr << std::format("skinbench: {}: {} cases, {}{}\n", given.stored.name, planned.cases.size(),
-                                 geometryName(planned.geometry), planned.cacheOrder ? "" : ", order of the file");
+        say(std::format("{}: {} cases, {}{}", given.stored.name, planned.cases.size(), geometryName(planned.geometry),
+                        planned.cacheOrder ? "" : ", order of the file"));
         WorkloadSettings workloadSettings = given.settings;
         workloadSettings.prepare.geometry = planned.geometry;
         workloadSettings.prepare.cacheOrder = planned.cacheOrder;
@@ -184,16 +187,23 @@ Result<ReproduceScene> runScene(Reproducing& all, Workload& given) {
     return scene;
 }
 
-// Rebuilds everything from the scenes that are done, and writes it.
-Result<nlohmann::ordered_json> writeAll(const ReproduceOptions& options, const Thesis& thesis,
-                                        const std::vector<ReproduceScene>& scenes) {
+constexpr const char* kFiles[] = {"/reproduce.json", "/reproduce.md", "/reproduce.html"};
+
+// Path and text of each, rebuilt from the scenes that are done; the JSON is the first.
+std::vector<std::pair<std::string, std::string>> filesOf(const ReproduceOptions& options, const Thesis& thesis,
+                                                         const std::vector<ReproduceScene>& scenes) {
     const Reproduction reproduction = thesis.reproduce(scenes);
-    nlohmann::ordered_json json = reproduceJson(reproduction, scenes);
-    const std::pair<const char*, std::string> files[] = {{"/reproduce.json", json.dump(1) + "\n"},
-                                                         {"/reproduce.md", reproduceMarkdown(reproduction, scenes)},
-                                                         {"/reproduce.html", reproduceHtml(reproduction, scenes)}};
-    for (const auto& [name, text] : files) SKINBENCH_TRY(writeWholeFile(options.out + name, text));
-    return json;
+    return {{options.out + kFiles[0], dumpJson(reproduceJson(reproduction, scenes)) + "\n"},
+            {options.out + kFiles[1], reproduceMarkdown(reproduction, scenes)},
+            {options.out + kFiles[2], reproduceHtml(reproduction, scenes)}};
+}
+
+// Files of an earlier run stay until this one has some of its own.
+void saveAll(const ReproduceOptions& options, const Thesis& thesis, const std::vector<ReproduceScene>& scenes,
+             bool& begun, bool& warned) {
+    if (!std::exchange(begun, true))
+        for (const char* name : kFiles) keepPrevious(options.out + name);
+    for (const auto& [path, text] : filesOf(options, thesis, scenes)) warnOnce(warned, writeWholeFile(path, text));
 }
 
 std::vector<const Route*> routesOf(const std::vector<PlannedRun>& runs) {
@@ -230,30 +240,34 @@ int runReproduce(const ReproduceOptions& options) {
         if (!workload) return reportError(workload.error());
         workloads.push_back(std::move(*workload));
     }
+    // A folder that cannot be written is reported before minutes are spent.
+    for (const char* name : kFiles)
+        if (auto possible = checkOutput(options.out + name, names); !possible) return reportError(possible.error());
     catchInterrupts();
     std::vector<ReproduceScene> scenes;
-    auto save = [&](const ReproduceScene& partly) -> Result<void> {
+    bool begun = false, warned = false;
+    auto save = [&](const ReproduceScene& partly) {
         std::vector<ReproduceScene> all = scenes;
         all.push_back(partly);
-        auto written = writeAll(options, *thesis, all);
-        return written ? Result<void>{} : std::unexpected(written.error());
+        saveAll(options, *thesis, all, begun, warned);
     };
     Reproducing all{*thesis, selectors, *devices, *runs, save, {}};
-    // A folder that cannot be written is told before minutes are spent.
-    auto json = writeAll(options, *thesis, scenes);
     for (Workload& workload : workloads) {
-        if (!json || interrupted()) break;
+        if (interrupted()) break;
         auto scene = runScene(all, workload);
         if (!scene) return reportError(scene.error());
         scenes.push_back(std::move(*scene));
         workload = {};
-        json = writeAll(options, *thesis, scenes);
+        saveAll(options, *thesis, scenes, begun, warned);
     }
-    if (!json) return reportError(json.error());
-    std::cout << (options.json ? json->dump(1) + "\n" : reproduceText(thesis->reproduce(scenes)));
-    std::cerr << "skinbench: " << options.out << "/reproduce.md, reproduce.html, reproduce.json\n";
-    if (interrupted()) std::cerr << "skinbench: interrupted; what was measured until then is kept\n";
-    return statusOf(all.results);
+    const auto files = filesOf(options, *thesis, scenes);
+    std::cout << (options.json ? files.front().second : reproduceText(thesis->reproduce(scenes)));
+    const int printed = flushOutput();
+    const int written = writeOutputs(files, options.json);
+    if (written == kExitDone) say(options.out + "/reproduce.md, reproduce.html, reproduce.json");
+    const int status = statusOf(all.results);
+    if (interrupted() && status == kExitDone) say("interrupted; what was measured until then is kept");
+    return std::max({status, printed, written});
 }
 
 }  // namespace skinbench

@@ -4,6 +4,8 @@
 #include <nlohmann/json.hpp>
 
 #include "apps/apps.h"
+#include "common/core/file.h"
+#include "common/core/text.h"
 
 namespace skinbench {
 
@@ -17,7 +19,7 @@ int runSceneList(bool json) {
                         {"what", scene.what},
                         {"default_vertices", scene.defaultVertices}});
     }
-    if (json) std::cout << rows.dump(1) << "\n";
+    if (json) std::cout << dumpJson(rows) << "\n";
     return kExitDone;
 }
 
@@ -26,6 +28,7 @@ int runSceneExport(const std::string& name, const std::string& out) {
         name.find(':') == std::string::npos && name.find('.') == std::string::npos ? "builtin:" + name : name);
     if (!scene) return reportError(scene.error());
     for (const std::string& warning : scene->warnings) warn(scene->name + ": " + warning);
+    if (auto possible = checkOutput(out, {&name, 1}); !possible) return reportError(possible.error());
     auto saved = saveGlb(*scene, out);
     return saved ? kExitDone : reportError(saved.error());
 }

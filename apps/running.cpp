@@ -4,10 +4,14 @@
 #include <atomic>
 #include <chrono>
 #include <cmath>
+#include <filesystem>
 #include <format>
 #include <iostream>
+#include <random>
+#include <utility>
 
 #include "apps/apps.h"
+#include "common/core/file.h"
 
 namespace skinbench {
 namespace {
@@ -49,10 +53,14 @@ struct ProgressBar {
 }  // namespace
 
 void catchInterrupts() {
-    struct sigaction action = {};
-    action.sa_handler = onSignal;
-    sigaction(SIGINT, &action, nullptr);
-    sigaction(SIGTERM, &action, nullptr);
+    for (int signal : {SIGINT, SIGTERM, SIGHUP}) {
+        struct sigaction action = {}, before = {};
+        sigaction(signal, nullptr, &before);
+        if (before.sa_handler == SIG_IGN) continue;
+        action.sa_handler = onSignal;
+        sigaction(signal, &action, nullptr);
+    }
+    ::signal(SIGPIPE, SIG_IGN);
 }
 
 bool interrupted() { return stopRequested != 0; }
@@ -75,11 +83,46 @@ Checkpoint nowAndThen(Checkpoint write) {
     using Clock = std::chrono::steady_clock;
     return [write = std::move(write), next = Clock::now()](const std::vector<CaseResult>& results) mutable {
         const auto start = Clock::now();
-        if (start < next) return Result<void>{};
-        auto written = write(results);
+        if (start < next) return;
+        write(results);
         next = Clock::now() + (Clock::now() - start) * 10;
-        return written;
     };
+}
+
+void warnOnce(bool& warned, const Result<void>& written) {
+    if (written || std::exchange(warned, true)) return;
+    warn(written.error().text + "; the run goes on and tries again");
+}
+
+Result<void> checkSuffix(const std::string& path, const std::string& wanted) {
+    const std::string suffix = std::filesystem::path(path).extension();
+    if (suffix.empty() || suffix == wanted) return {};
+    return inputError(path + ": what is written is no " + suffix + " file; name one that ends in " + wanted);
+}
+
+void keepPrevious(const std::string& path) {
+    namespace fs = std::filesystem;
+    std::error_code failed;
+    if (!fs::is_regular_file(fs::symlink_status(path, failed))) return;
+    fs::path previous(path);
+    previous.replace_extension(".previous" + previous.extension().string());
+    fs::remove(previous, failed);
+    fs::create_hard_link(path, previous, failed);
+    if (failed) fs::rename(path, previous, failed);  // no file system of Unix
+}
+
+int writeOutputs(const std::vector<std::pair<std::string, std::string>>& files, bool printed) {
+    std::string missing, rescued;
+    for (const auto& [path, text] : files) {
+        const auto written = writeWholeFile(path, text);
+        if (written) continue;
+        missing += (missing.empty() ? "" : "; ") + written.error().text;
+        if (printed || &text != &files.front().second) continue;
+        const std::string folder = std::filesystem::temp_directory_path();
+        const std::string other = std::format("{}/skinbench-{:08x}.json", folder, std::random_device{}());
+        if (writeWholeFile(other, text)) rescued = "; its content is in " + other;
+    }
+    return missing.empty() ? kExitDone : reportError({Fault::device, missing + rescued});
 }
 
 RunContext runContext(const Devices& devices, const Workload& workload, const Scene& scene) {
@@ -102,7 +145,8 @@ int statusOf(const std::vector<CaseResult>& results) {
     if (firstFailed)
         return reportError({Fault::device, std::format("{} of {} cases failed; the first, {}: {}", failed,
                                                        results.size(), firstFailed->id, firstFailed->reason)});
-    if (done || interrupted() || results.empty()) return kExitDone;
+    if (done || results.empty()) return kExitDone;
+    if (interrupted()) return reportError({Fault::device, "interrupted before a case was done"});
     return reportError(
         {Fault::device, "no case could run; the first, " + results.front().id + ": " + results.front().reason});
 }

@@ -1,23 +1,38 @@
 // The program `skinbench`: the words of the command line. What a subcommand does stands in its cmd_*.cpp.
 #include <CLI/CLI.hpp>
 
+#include <fcntl.h>
+#include <unistd.h>
+
 #include <algorithm>
 #include <cmath>
+#include <csignal>
 #include <iostream>
 #include <new>
 
 #include "apps/selectors.h"
+#include "common/core/text.h"
 #include "common/core/version.h"
 #include "common/meshlets/partition.h"
 
 namespace skinbench {
 
+void say(const std::string& text) {
+    std::cerr << terminalText("skinbench: " + text, kLongestMessage) + "\n" << std::flush;
+}
+
+void warn(const std::string& text) { say("warning: " + text); }
+
 int reportError(const Error& error) {
-    std::cerr << "skinbench: " << error.text << "\n";
+    say(error.text);
     return error.fault == Fault::input ? kExitBadInput : kExitFailed;
 }
 
-void warn(const std::string& text) { std::cerr << "skinbench: warning: " << text << "\n"; }
+int flushOutput() {
+    std::cout.flush();
+    if (std::cout) return kExitDone;
+    return reportError({Fault::device, "standard output cannot be written"});
+}
 
 namespace {
 
@@ -182,6 +197,8 @@ void addInspect(CLI::App& program, int& status) {
         ->delimiter(',')
         ->allow_extra_args(false);
     command->add_option("--ci-min", s.words["ci_min"], findAxis("ci_min")->option.help)->expected(1);
+    command->add_flag("--all", options->all,
+                      "unwelded and in the file's order too (default: as it is drawn, welded and in cache order)");
     command->add_flag("--json", options->json, "print JSON");
     command->callback([options, &status] { status = runInspect(*options); });
 }
@@ -237,9 +254,12 @@ void addCompare(CLI::App& program, int& status) {
     command->add_option("A", options->a, "the results.json to compare with")->required();
     command->add_option("B", options->b, "the results.json that is compared")->required();
     command
-        ->add_option("--fail-above", options->failAbove, "exit 1 when a case is slower by this many percent, or fails")
+        ->add_option(
+            "--fail-above", options->failAbove,
+            "exit 1 when a case of A is slower in B by this many percent, or missing, failed or not timed there")
         ->check(kFinite)
         ->check(CLI::NonNegativeNumber);
+    command->add_flag("--allow-missing", options->allowMissing, "with --fail-above: B may lack cases of A");
     command->add_flag("--json", options->json, "print JSON");
     command->callback([options, &status] { status = runCompare(*options); });
 }
@@ -285,10 +305,16 @@ int runProgram(int argc, char** argv) {
     addReport(program, status);
     addReproduce(program, status);
     addCompare(program, status);
+    program.footer(
+        "Exit status: 0 done, 1 something that was asked for failed or was interrupted before a case was done, "
+        "2 bad arguments or input.");
     try {
         program.parse(argc, argv);
     } catch (const CLI::ParseError& error) {
-        if (error.get_exit_code() == 0) return program.exit(error);
+        if (error.get_exit_code() == 0) {
+            program.exit(error);
+            return flushOutput();
+        }
         std::string text = error.what();
         // An unknown subcommand leaves its word over and is otherwise told as a missing one.
         const std::vector<std::string> unknown = program.remaining(true);
@@ -297,15 +323,23 @@ int runProgram(int argc, char** argv) {
         std::ranges::replace(text, '\n', ' ');
         return reportError({Fault::input, text + "; see skinbench --help"});
     }
-    std::cout.flush();
-    if (!std::cout) return reportError({Fault::input, "standard output cannot be written"});
-    return status;
+    return status == kExitDone ? flushOutput() : status;
+}
+
+// A driver would be given the number of a standard stream that is closed, and what is printed would land in its memory.
+// What is opened for reading alone refuses what is written to it.
+void openStandardStreams() {
+    for (int stream : {STDIN_FILENO, STDOUT_FILENO, STDERR_FILENO})
+        if (fcntl(stream, F_GETFD) < 0) open("/dev/null", O_RDONLY);
 }
 
 }  // namespace
 }  // namespace skinbench
 
 int main(int argc, char** argv) {
+    skinbench::openStandardStreams();
+    // A write past the limit of a file's size fails like any other.
+    signal(SIGXFSZ, SIG_IGN);
     try {
         return skinbench::runProgram(argc, argv);
     } catch (const std::bad_alloc&) {

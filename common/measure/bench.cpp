@@ -5,8 +5,9 @@
 #include <cmath>
 #include <cstring>
 #include <format>
-#include <thread>
 
+#include "common/core/host_memory.h"
+#include "common/core/parallel.h"
 #include "common/core/stats.h"
 #include "common/frame/image.h"
 #include "common/measure/verify.h"
@@ -18,13 +19,22 @@ double milliseconds(std::chrono::steady_clock::time_point since) {
     return std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - since).count();
 }
 
-unsigned allCores() { return std::max(1u, std::thread::hardware_concurrency()); }
-
-HostSkinning makeHostSkinning(const Scene& scene, uint32_t copies) {
-    HostSkinning host;
-    host.copies.assign(copies, scene.mesh);
-    host.palettes.resize(copies);
-    host.out.resize(size_t{copies} * scene.mesh.positions.size());
+// Refused like a buffer that does not fit: a host that gives out of memory takes the whole run with it.
+Result<std::unique_ptr<HostSkinning>> makeHostSkinning(const Scene& scene, uint32_t copies) {
+    constexpr uint64_t kVertexBytes =
+        sizeof(Mesh::positions[0]) + sizeof(Mesh::normals[0]) + sizeof(Mesh::uvs[0]) + sizeof(Influences);
+    const uint64_t vertices = scene.mesh.positions.size(), joints = scene.skeleton.joints.size();
+    const uint64_t bytes = copies * (vertices * (kVertexBytes + sizeof(SkinnedVertex)) + joints * sizeof(PaletteEntry));
+    if (const uint64_t free = freeHostMemory(); free && bytes > free)
+        return deviceError(
+            std::format("needs {} MiB of the host's memory for {} copies: {} MiB are free; use fewer copies",
+                        bytes >> 20, copies, free >> 20));
+    auto host = std::make_unique<HostSkinning>();
+    Mesh skinned = scene.mesh;
+    skinned.indices = {};  // skinning reads none
+    host->copies.assign(copies, skinned);
+    host->palettes.resize(copies);
+    host->out.resize(copies * vertices);
     return host;
 }
 
@@ -32,7 +42,7 @@ double skinFrame(HostSkinning& host, const FrameData& frame) {
     const auto copies = static_cast<uint32_t>(host.copies.size());
     for (uint32_t copy = 0; copy < copies; ++copy) host.palettes[copy] = paletteOfCopy(frame, copies, copy);
     const auto start = std::chrono::steady_clock::now();
-    skinOnCpu({host.copies, host.palettes, host.out}, allCores());
+    skinOnCpu({host.copies, host.palettes, host.out}, static_cast<unsigned>(coreCount()));
     return milliseconds(start);
 }
 
@@ -118,32 +128,35 @@ Result<std::vector<DrawnFrame>> drawFrames(Prepared& ready, std::span<const Fram
 Result<Prepared> prepareCase(Runner& runner, CaseResult& result, bool capture) {
     Case c = result.theCase;
     if (capture) c.raster = RasterMode::full;
+    auto skipped = [&](const Error& why) {
+        result.status = CaseStatus::skipped;
+        return std::unexpected(why);
+    };
+    result.status = CaseStatus::failed;  // whatever is thrown from here on
     auto input = planInput(runner.workload, c);
-    SKINBENCH_TRY(input);
+    if (!input) return skipped(input.error());
     input->capture = capture;
     Prepared ready;
     ready.backend = backendOf(runner, c);
     auto plan = makePlan(c, *input, ready.backend ? ready.backend->caps() : DeviceCaps{});
-    if (!plan) {
-        result.status = CaseStatus::skipped;
-        return std::unexpected(plan.error());
-    }
+    if (!plan) return skipped(plan.error());
     plan->label = result.id;
     if (input->meshlets) result.meshlets = static_cast<uint32_t>(input->meshlets->meshlets.size());
     result.memory = memoryOfOneCopy(*plan, input->copies);
     ready.input = *input;
     ready.blocks = paletteBlocks(c, *input);
     for (const Pass& pass : plan->passes) ready.labels.push_back(pass.label);
-    if (c.variant->skinsOnHost)
-        ready.host = std::make_unique<HostSkinning>(makeHostSkinning(*input->scene, input->copies));
+    if (c.variant->skinsOnHost) {
+        auto host = makeHostSkinning(*input->scene, input->copies);
+        if (!host) return skipped(host.error());
+        ready.host = std::move(*host);
+    }
     if (ready.backend) {
         auto id = ready.backend->prepare(*plan);
-        if (!id) {
-            result.status = CaseStatus::failed;
-            return std::unexpected(id.error());
-        }
+        SKINBENCH_TRY(id);
         ready.plan = *id;
     }
+    result.status = CaseStatus::ok;
     return ready;
 }
 
@@ -273,9 +286,9 @@ void verifyCase(Runner& runner, CaseResult& result) {
         result.memory = same.memory;
         return;
     }
-    auto ready = prepareCase(runner, result, true);
+    auto ready = attempt([&] { return prepareCase(runner, result, true); });
     if (!ready) return failCase(result, result.status, ready.error().text);
-    auto verified = verifyDrawn(runner, result, *ready);
+    auto verified = attempt([&] { return verifyDrawn(runner, result, *ready); });
     releaseCase(*ready);
     if (failOnMessages(result, backend)) return;
     if (!verified) return failCase(result, CaseStatus::failed, verified.error().text);
@@ -298,9 +311,14 @@ static Result<void> verifyResult(Runner& runner, size_t i, size_t count) {
     const double share = runner.settings.timed ? 0.3 : 1.0;
     if (runner.events.progress)
         runner.events.progress("verify " + result.id, share * static_cast<double>(i) / static_cast<double>(count));
-    SKINBENCH_TRY(sceneFor(runner.workload, result.theCase.influences));
-    verifyCase(runner, result);
-    return runner.events.checkpoint ? runner.events.checkpoint(runner.results) : Result<void>{};
+    auto scene = attempt([&] { return sceneFor(runner.workload, result.theCase.influences); });
+    if (!scene && scene.error().fault == Fault::input) return std::unexpected(scene.error());
+    if (scene)
+        verifyCase(runner, result);
+    else
+        failCase(result, CaseStatus::failed, scene.error().text);
+    if (runner.events.checkpoint) runner.events.checkpoint(runner.results);
+    return {};
 }
 
 // The limits of the cases that are right, each once.
@@ -334,7 +352,7 @@ Result<std::vector<CaseResult>> runBench(Workload& workload, const std::vector<C
     if (settings.timed && settings.limits) addLimits(runner.results);
     for (size_t i = asked; i < runner.results.size() && !stopped(); ++i)
         SKINBENCH_TRY(verifyResult(runner, i, runner.results.size()));
-    if (settings.timed) SKINBENCH_TRY(timeCases(runner));
+    if (settings.timed) timeCases(runner);
     for (CaseResult& result : runner.results)
         if (settings.timed && result.status == CaseStatus::ok && result.total.empty())
             failCase(result, CaseStatus::skipped, "interrupted before it was timed");

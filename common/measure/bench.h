@@ -76,7 +76,7 @@ struct OpenBackend {
 };
 using Backends = std::map<Api, OpenBackend>;
 
-using Checkpoint = std::function<Result<void>(const std::vector<CaseResult>&)>;
+using Checkpoint = std::function<void(const std::vector<CaseResult>&)>;
 
 struct BenchEvents {
     std::function<void(const std::string& what, double fraction)> progress;  // fraction of the work that is done
@@ -86,7 +86,8 @@ struct BenchEvents {
 };
 
 // One result a case, in the order given, then those that settings add. Fails only when nothing can be measured at all
-// (the scene cannot be prepared) or a checkpoint fails.
+// (the scene cannot be prepared). What a case throws, such as a lack of memory, fails that case alone, and so do times
+// that cannot be: zero, negative, or longer than the host waited for them.
 Result<std::vector<CaseResult>> runBench(Workload& workload, const std::vector<Case>& cases, const Backends& backends,
                                          const BenchSettings& settings, const BenchEvents& events);
 

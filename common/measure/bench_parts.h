@@ -1,6 +1,9 @@
 // What the files of the runner share: bench.cpp verifies, bench_schedule.cpp times.
 #pragma once
 
+#include <exception>
+#include <new>
+
 #include "common/measure/bench.h"
 #include "common/measure/verify.h"
 
@@ -41,6 +44,18 @@ struct DrawnFrame {
 
 void failCase(CaseResult& result, CaseStatus status, std::string reason);
 
+// What a step of one case throws (the host is out of memory, a library gave up) becomes an error of that case.
+template <class Step>
+auto attempt(const Step& step) -> decltype(step()) {
+    try {
+        return step();
+    } catch (const std::bad_alloc&) {
+        return deviceError("the host is out of memory; use fewer copies or a smaller scene");
+    } catch (const std::exception& error) {
+        return deviceError(std::string("unexpected: ") + error.what());
+    }
+}
+
 // A message of the validation layer fails the case that caused it.
 bool failOnMessages(CaseResult& result, Backend* backend);
 
@@ -61,7 +76,7 @@ Result<std::vector<DrawnFrame>> drawFrames(Prepared& ready, std::span<const Fram
 // The frame's passes by name, on the host too.
 std::vector<std::pair<std::string, double>> passTimes(const Prepared& ready, const DrawnFrame& frame);
 
-// Times every case that is ok; fails only when a checkpoint does.
-Result<void> timeCases(Runner& runner);
+// Times every case that is ok.
+void timeCases(Runner& runner);
 
 }  // namespace skinbench

@@ -2,6 +2,7 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
+#include <format>
 #include <random>
 #include <utility>
 
@@ -102,7 +103,7 @@ bool prepareGroup(Timer& timer, std::span<const size_t> group) {
         CaseResult& result = timer.result(number);
         if (timer.stopped()) return any;
         if (result.status != CaseStatus::ok || timer.resident.contains(number)) continue;
-        auto ready = prepareCase(timer.runner, result, false);
+        auto ready = attempt([&] { return prepareCase(timer.runner, result, false); });
         if (!ready) {
             failCase(result, CaseStatus::failed, ready.error().text);
             continue;
@@ -110,7 +111,7 @@ bool prepareGroup(Timer& timer, std::span<const size_t> group) {
         any = true;
         Prepared& kept = timer.resident.emplace(number, std::move(*ready)).first->second;
         if (result.counters) continue;
-        if (auto counted = countCase(timer, result, kept); !counted) {
+        if (auto counted = attempt([&] { return countCase(timer, result, kept); }); !counted) {
             failCase(result, CaseStatus::failed, counted.error().text);
             drop(timer, number);
         }
@@ -142,6 +143,31 @@ Result<void> warmUp(const BenchSettings& settings, Prepared& ready, std::span<co
         if (!settles || settled || passed > kLongestWarmup) return {};
         last = now;
     }
+}
+
+constexpr double kClockSkew = 1.02, kClockStep = 1;  // the device's clock against the host's: a factor, milliseconds
+
+// Draws frames and refuses times that no device can have taken: none, less, or more than the host waited. Timestamps
+// that stay 0 or run backwards give such times.
+Result<std::vector<DrawnFrame>> drawTimed(Prepared& ready, std::span<const FrameData> frames, RunMode mode) {
+    const auto start = Clock::now();
+    auto drawn = drawFrames(ready, frames, mode);
+    const double waited = seconds(start) * 1e3;
+    if (!drawn || !ready.plan) return drawn;
+    double all = 0;
+    for (const DrawnFrame& frame : *drawn) {
+        double taken = 0;
+        for (double pass : frame.timing.passes) taken += pass >= 0 ? pass : -INFINITY;
+        if (!(taken > 0))
+            return deviceError("the device's timestamps cannot be right: they stand still or run backwards in a frame");
+        all += taken;
+    }
+    if (!(all <= waited * kClockSkew + kClockStep))
+        return deviceError(
+            std::format("the device's timestamps cannot be right: {} frames took {:g} ms by them, and the "
+                        "host waited {:g} ms",
+                        drawn->size(), all, waited));
+    return drawn;
 }
 
 void record(CaseResult& result, const Prepared& ready, std::span<const DrawnFrame> drawn) {
@@ -180,11 +206,11 @@ Result<void> timeRound(Timer& timer, CaseResult& result, Prepared& ready, uint32
         if (done == 0)
             if (auto warm = warmUp(timer.runner.settings, ready, *frames, shortest); !warm) return warm;
         if (!std::exchange(timer.began, true) && timer.runner.events.timing) timer.runner.events.timing();
-        auto drawn = drawFrames(ready, *frames);
+        auto drawn = drawTimed(ready, *frames, RunMode::timed);
         SKINBENCH_TRY(drawn);
         record(result, ready, *drawn);
         if (!overlaps) continue;
-        auto overlapped = drawFrames(ready, *frames, RunMode::overlap);
+        auto overlapped = drawTimed(ready, *frames, RunMode::overlap);
         SKINBENCH_TRY(overlapped);
         for (const DrawnFrame& frame : *overlapped) result.overlapped.push_back(frame.timing.passes.front());
     }
@@ -196,8 +222,8 @@ void timeCase(Timer& timer, size_t number, uint32_t from, uint32_t count, double
     auto place = timer.resident.find(number);
     if (result.status != CaseStatus::ok || place == timer.resident.end()) return;
     const size_t before = result.total.size();
-    if (auto timed = timeRound(timer, result, place->second, from, count, shortest); !timed)
-        failCase(result, CaseStatus::failed, timed.error().text);
+    auto timed = attempt([&] { return timeRound(timer, result, place->second, from, count, shortest); });
+    if (!timed) failCase(result, CaseStatus::failed, timed.error().text);
     if (result.total.size() > before) result.roundSizes.push_back(result.total.size() - before);
     failOnMessages(result, place->second.backend);
     if (result.status == CaseStatus::failed) return drop(timer, number);
@@ -231,13 +257,12 @@ void shuffle(std::vector<size_t>& order, std::mt19937& random) {
 
 }  // namespace
 
-Result<void> timeCases(Runner& runner) {
+void timeCases(Runner& runner) {
     const BenchSettings& settings = runner.settings;
     Timer timer{runner, {}, {}};
     std::mt19937 random(settings.seed);
     const auto start = Clock::now();
-    Result<void> outcome;
-    for (uint32_t round = 0; outcome && !timer.stopped(); ++round) {
+    for (uint32_t round = 0; !timer.stopped(); ++round) {
         if (round >= settings.rounds && settings.timeLimit > 0 && seconds(start) > settings.timeLimit) break;
         std::vector<size_t> order;
         for (size_t i = 0; i < runner.results.size(); ++i)
@@ -251,19 +276,18 @@ Result<void> timeCases(Runner& runner) {
             makeRoom(timer, group);
             bool cold = prepareGroup(timer, group);
             for (size_t number : group) {
-                if (timer.stopped() || !outcome) break;
+                if (timer.stopped()) break;
                 const double rounds =
                     std::min<double>(round, settings.rounds - 1) + done++ / static_cast<double>(order.size());
                 if (runner.events.progress)
                     runner.events.progress(timer.result(number).id, 0.3 + 0.7 * rounds / settings.rounds);
                 timeCase(timer, number, from, count, std::exchange(cold, false) ? kFirstWarmup : kShortestWarmup);
-                if (runner.events.checkpoint) outcome = runner.events.checkpoint(runner.results);
+                if (runner.events.checkpoint) runner.events.checkpoint(runner.results);
             }
         }
     }
     if (timer.began && runner.events.timing) runner.events.timing();
     dropAll(timer);
-    return outcome;
 }
 
 }  // namespace skinbench

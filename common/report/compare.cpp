@@ -8,6 +8,7 @@
 
 #include <nlohmann/json.hpp>
 
+#include "common/core/text.h"
 #include "common/report/report.h"
 
 namespace skinbench {
@@ -59,7 +60,9 @@ ComparedCase compareCase(const Json& a, const Json& rowA, const Json& b, const J
     return compared;
 }
 
-std::string shown(const Json& value) { return value.is_string() ? value.get<std::string>() : value.dump(); }
+std::string shown(const Json& value) {
+    return terminalText(value.is_string() ? value.get<std::string>() : dumpJson(value, -1), kLongestMessage);
+}
 
 std::string devicesText(const Json& results) {
     std::string text;
@@ -77,9 +80,11 @@ std::vector<std::string> differencesOf(const Json& a, const Json& b) {
     differ("devices", devicesText(a), devicesText(b));
     for (const char* group : {"scene", "settings", "host", "tool"}) {
         for (const auto& [key, value] : a[group].items())
-            differ(std::string(group) + " " + key, shown(value), b[group].contains(key) ? shown(b[group][key]) : "–");
+            differ(std::string(group) + " " + terminalText(key, kLongestMessage), shown(value),
+                   b[group].contains(key) ? shown(b[group][key]) : "–");
         for (const auto& [key, value] : b[group].items())
-            if (!a[group].contains(key)) differ(std::string(group) + " " + key, "–", shown(value));
+            if (!a[group].contains(key))
+                differ(std::string(group) + " " + terminalText(key, kLongestMessage), "–", shown(value));
     }
     return differences;
 }
@@ -133,10 +138,13 @@ std::string timeText(const ComparedSide& side) {
     return side.median ? std::format("{:.3f}{}", *side.median, side.software ? "*" : " ") : "- ";
 }
 
-std::string reasonText(const ComparedSide& side) { return side.reason.empty() ? "" : ": " + side.reason; }
+std::string reasonText(const ComparedSide& side) {
+    return side.reason.empty() ? "" : ": " + terminalText(side.reason, kLongestMessage);
+}
 
 std::string lineText(const ComparedCase& compared, size_t width) {
-    const auto& [id, change, a, b, ratio, interval] = compared;
+    const auto& [name, change, a, b, ratio, interval] = compared;
+    const std::string id = terminalText(name, kLongestMessage);
     if (change == Change::onlyA) return std::format("  {}  {}{}\n", id, a.status, reasonText(a));
     if (change == Change::onlyB) return std::format("  {}  {}{}\n", id, b.status, reasonText(b));
     if (a.status != "ok" || b.status != "ok")
@@ -197,9 +205,42 @@ Result<Comparison> compareResults(const Json& a, const Json& b) {
     }
 }
 
-bool isWorse(const ComparedCase& compared, double percent) {
-    return compared.change == Change::broken ||
-           (compared.change == Change::slower && (*compared.ratio - 1) * 100 > percent);
+std::vector<std::string> findWorse(const Comparison& comparison, double percent, bool allowMissing) {
+    std::vector<std::string> lines;
+    auto add = [&](const char* one, const char* more, const auto& belongs, const auto& detail) {
+        const auto first = std::ranges::find_if(comparison.cases, belongs);
+        if (first == comparison.cases.end()) return;
+        const auto count = std::ranges::count_if(comparison.cases, belongs);
+        lines.push_back(std::format("{} of {} cases {}; the first, {}{}", count, comparison.cases.size(),
+                                    count == 1 ? one : more, first->id, detail(*first)));
+    };
+    auto nothing = [](const ComparedCase&) { return std::string(); };
+    auto inB = [](const ComparedCase& c) { return ", " + c.b.status + reasonText(c.b); };
+    add(
+        std::format("is more than {} % slower", percent).c_str(),
+        std::format("are more than {} % slower", percent).c_str(),
+        [&](const ComparedCase& c) { return c.change == Change::slower && (*c.ratio - 1) * 100 > percent; },
+        [](const ComparedCase& c) { return std::format(", takes {:.4f} of A", *c.ratio); });
+    add(
+        "is ok in A and not in B", "are ok in A and not in B",
+        [](const ComparedCase& c) { return c.change == Change::broken; }, inB);
+    add(
+        "failed in B and was not ok in A", "failed in B and were not ok in A",
+        [](const ComparedCase& c) { return c.change != Change::broken && c.b.status == "failed"; }, inB);
+    if (!allowMissing)
+        add(
+            "is ok in A and missing in B", "are ok in A and missing in B",
+            [](const ComparedCase& c) { return c.change == Change::onlyA && c.a.status == "ok"; }, nothing);
+    add(
+        "is not timed in both files", "are not timed in both files",
+        [](const ComparedCase& c) { return c.change == Change::untimed; }, nothing);
+    add(
+        "has too few samples to be compared", "have too few samples to be compared",
+        [](const ComparedCase& c) { return c.change == Change::unknown; }, nothing);
+    const bool compared =
+        std::ranges::any_of(comparison.cases, [](const ComparedCase& c) { return c.ratio.has_value(); });
+    if (!compared && lines.empty()) lines.push_back("no case was compared: A and B have none that is timed in both");
+    return lines;
 }
 
 Json comparisonJson(const Comparison& comparison) {
@@ -230,7 +271,7 @@ std::string comparisonText(const Comparison& comparison) {
     size_t width = 4;
     bool software = false;
     for (const ComparedCase& compared : comparison.cases) {
-        if (compared.ratio) width = std::max(width, compared.id.size());
+        if (compared.ratio) width = std::max(width, terminalText(compared.id, kLongestMessage).size());
         software = software || compared.a.software || compared.b.software;
     }
     const ComparedCase* previous = nullptr;

@@ -61,8 +61,10 @@ struct Comparison {
 // Both as loadResults gives them. An error names A or B and what is wrong with a value.
 Result<Comparison> compareResults(const nlohmann::ordered_json& a, const nlohmann::ordered_json& b);
 
-// Whether a case is slower by more than `percent`, beyond noise, or ok in A and not in B.
-bool isWorse(const ComparedCase& compared, double percent);
+// What makes `--fail-above percent` fail, a sentence for each kind: cases that are slower beyond noise, that are ok in
+// A and missing in B (unless allowed) or not ok there, that failed in B, that have no time or too few samples; and that
+// nothing was compared at all. Empty: B is no worse than A.
+std::vector<std::string> findWorse(const Comparison& comparison, double percent, bool allowMissing);
 
 nlohmann::ordered_json comparisonJson(const Comparison& comparison);
 

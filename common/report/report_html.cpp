@@ -1,5 +1,6 @@
 #include <nlohmann/json.hpp>
 
+#include "common/core/text.h"
 #include "common/report/report.h"
 
 namespace skinbench {
@@ -19,16 +20,10 @@ static std::string replaced(const std::string& text, const std::string& what, co
     return result + text.substr(from);
 }
 
-static std::string attribute(const std::string& text) {
-    const std::string plain = replaced(replaced(text, "&", "&amp;"), "\"", "&quot;");
-    return replaced(replaced(plain, "<", "&lt;"), ">", "&gt;");
-}
-
 // JSON has '<' within strings only, and there it may be written as \u003c, so nothing ends the element early.
 static std::string resultsElement(const Json& results, const std::string& name) {
-    const std::string text = results.dump(-1, ' ', false, Json::error_handler_t::replace);
-    return "<script type=\"application/json\" class=\"results\" data-name=\"" + attribute(name) + "\">" +
-           replaced(text, "<", "\\u003c") + "</script>\n";
+    return "<script type=\"application/json\" class=\"results\" data-name=\"" + htmlText(name) + "\">" +
+           replaced(dumpJson(results, -1), "<", "\\u003c") + "</script>\n";
 }
 
 std::string reportHtml(const std::vector<Json>& results, const std::vector<std::string>& names) {

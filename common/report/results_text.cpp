@@ -1,10 +1,10 @@
-// Result files as tables for a terminal and for a spreadsheet, and back from disk.
+// Result files as tables for a terminal and for a spreadsheet.
 #include <algorithm>
 #include <format>
 
 #include <nlohmann/json.hpp>
 
-#include "common/core/file.h"
+#include "common/core/text.h"
 #include "common/report/report.h"
 
 namespace skinbench {
@@ -12,11 +12,7 @@ using Json = nlohmann::ordered_json;
 
 static std::string csvField(const Json& value) {
     if (value.is_null()) return "";
-    std::string text = value.is_string() ? value.get<std::string>() : value.dump();
-    if (text.find_first_of(",\"\n") == std::string::npos) return text;
-    std::string quoted = "\"";
-    for (char c : text) quoted += c == '"' ? "\"\"" : std::string(1, c);
-    return quoted + "\"";
+    return value.is_string() ? csvText(value.get<std::string>()) : dumpJson(value, -1);
 }
 
 std::string resultsCsv(const Json& results) {
@@ -80,71 +76,19 @@ std::string resultsTable(const Json& results) {
         const bool marked = isSoftware(results, row) && !row["gpu_ms"].is_null();
         software = software || marked;
         std::string status = row["status"];
-        if (!row["reason"].is_null()) status += ": " + row["reason"].get<std::string>();
+        if (!row["reason"].is_null()) status += ": " + terminalText(row["reason"].get<std::string>(), kLongestMessage);
         text += std::format("{:<{}}  {:>9}{}  {:>6}  {:>6}  {:>7}  {:>10}  {:>9}  {}\n", row["id"].get<std::string>(),
                             width, number("gpu_ms", "median", 1, 3), marked ? "*" : " ", half,
                             number("gpu_ms", "cv", 100, 2), limit, number("memory_bytes", "total", 1.0 / 1024, 1),
                             error, status);
     }
     for (const Json& warning : results.value("warnings", Json::array()))
-        text += "! " + warning.get<std::string>() + "\n";
+        text += "! " + terminalText(warning.get<std::string>(), kLongestMessage) + "\n";
     if (results.contains("noise_floor") && results["noise_floor"].is_number())
         text += std::format("equal cases differ by {:.2f} % at the most: smaller differences mean nothing\n",
                             results["noise_floor"].get<double>() * 100);
     if (software) text += "* software driver: shows that the path works, not how fast a GPU is\n";
     return text;
-}
-
-// What a page reads; a file may come from another version of the program or from a person.
-using NeededKeys = std::vector<std::pair<std::string, std::vector<const char*>>>;
-
-static const NeededKeys kGroups = {
-    {"tool", {"version", "revision"}},
-    {"host", {"os", "cpu"}},
-    {"scene", {"name", "vertices", "triangles", "joints", "unique_tuples", "mean_influences", "max_influences"}},
-    {"settings", {"copies", "frames", "width", "height", "pose"}}};
-
-static const NeededKeys kLists = {
-    {"devices", {"route_api", "name", "driver", "software"}},
-    {"cases",
-     {"id", "route", "variant", "status", "reason", "raster", "gpu_ms", "passes_ms", "memory_bytes", "accuracy"}}};
-
-static const NeededKeys kFigures = {{"gpu_ms", {"median", "min", "cv"}},
-                                    {"passes_ms", {"skin", "draw"}},
-                                    {"memory_bytes", {"total"}},
-                                    {"accuracy", {"max_position_error"}}};
-
-// The first key that is not there, else null.
-static const char* lacks(const Json& object, const std::vector<const char*>& keys) {
-    if (!object.is_object()) return keys.front();
-    auto missing = std::ranges::find_if(keys, [&](const char* key) { return !object.contains(key); });
-    return missing == keys.end() ? nullptr : *missing;
-}
-
-Result<Json> loadResults(const std::string& path) {
-    auto text = readWholeFile(path);
-    SKINBENCH_TRY(text);
-    Json json = Json::parse(*text, nullptr, false);
-    if (json.is_discarded()) return inputError(path + ": is not JSON");
-    if (!json.is_object() || !json.contains("schema") || json["schema"] != kResultsSchema)
-        return inputError(path + ": is not a result file; its schema is not " + kResultsSchema);
-    for (const auto& [group, keys] : kGroups) {
-        if (!json.contains(group)) return inputError(path + ": is not a whole result file: '" + group + "' is missing");
-        if (const char* key = lacks(json[group], keys))
-            return inputError(path + ": is not a whole result file: '" + group + "' lacks '" + key + "'");
-    }
-    for (const auto& [list, keys] : kLists) {
-        if (!json.contains(list) || !json[list].is_array())
-            return inputError(path + ": is not a whole result file: the list '" + list + "' is missing");
-        for (const Json& row : json[list])
-            if (const char* key = lacks(row, keys))
-                return inputError(path + ": an entry of '" + list + "' lacks the key '" + key + "'");
-    }
-    for (const Json& row : json["cases"])
-        for (const auto& [group, keys] : kFigures)
-            if (const char* key = row[group].is_null() ? nullptr : lacks(row[group], keys))
-                return inputError(path + ": '" + group + "' of a case lacks the key '" + key + "'");
-    return json;
 }
 
 }  // namespace skinbench

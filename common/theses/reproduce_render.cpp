@@ -1,6 +1,7 @@
 #include <algorithm>
 #include <format>
 
+#include "common/core/text.h"
 #include "common/core/version.h"
 #include "common/theses/reproduce_parts.h"
 
@@ -52,9 +53,9 @@ std::vector<std::string> contextLines(const Reproduction& all, const std::vector
                                         ? " - software driver: shows that the path works, not how fast a GPU is"
                                         : ""));
     const Json& settings = results["settings"];
-    lines.push_back(std::format("Copies: {}, at {}x{}; frames a case: {}, in {} rounds.", settings["copies"].dump(),
-                                settings["width"].dump(), settings["height"].dump(), settings["frames"].dump(),
-                                settings["rounds"].dump()));
+    lines.push_back(std::format("Copies: {}, at {}x{}; frames a case: {}, in {} rounds.", dumpJson(settings["copies"]),
+                                dumpJson(settings["width"]), dumpJson(settings["height"]), dumpJson(settings["frames"]),
+                                dumpJson(settings["rounds"])));
     lines.push_back(std::format("{}; {}; skinbench {} ({}).", results["host"]["os"].get<std::string>(),
                                 results["host"]["cpu"].get<std::string>(),
                                 results["tool"]["version"].get<std::string>(),
@@ -89,10 +90,8 @@ std::vector<Figure> figuresOf(const ReproduceRow& row) {
 // Text that must not be taken for markup; a table cell is one line.
 std::string markdown(const std::string& text) {
     std::string safe;
-    for (char c : text) {
-        if (c == '\n' || c == '\r')
-            safe += ' ';
-        else if (c == '<')
+    for (char c : terminalText(text)) {
+        if (c == '<')
             safe += "&lt;";
         else if (c == '&')
             safe += "&amp;";
@@ -143,27 +142,10 @@ std::string tableMarkdown(const ReproduceTable& table, const std::string& publis
 
 // --- HTML ------------------------------------------------------------------------------------------------------
 
-std::string html(const std::string& text) {
-    std::string safe;
-    for (char c : text) {
-        if (c == '&')
-            safe += "&amp;";
-        else if (c == '<')
-            safe += "&lt;";
-        else if (c == '>')
-            safe += "&gt;";
-        else if (c == '"')
-            safe += "&quot;";
-        else
-            safe += c;
-    }
-    return safe;
-}
-
 std::string htmlProse(const std::string& text) {
     std::string prose;
     bool inside = false;
-    for (char c : html(text)) {
+    for (char c : htmlText(text)) {
         if (c != '`')
             prose += c;
         else
@@ -181,12 +163,12 @@ double largestOf(const ReproduceTable& table) {
 
 std::string rowHtml(const ReproduceRow& row, bool bars, double largest) {
     std::string text = "<tr>";
-    for (const std::string& label : row.labels) text += "<td>" + html(label) + "</td>";
+    for (const std::string& label : row.labels) text += "<td>" + htmlText(label) + "</td>";
     size_t place = 0;
     for (const Figure& figure : figuresOf(row)) {
         const bool number = figure.value.has_value();
         text += std::format("<td class=\"n{}{}{}\">{}</td>", number ? "" : " none", place == 0 && number ? " own" : "",
-                            figure.text.size() > 40 ? " text" : "", figure.text.empty() ? "–" : html(figure.text));
+                            figure.text.size() > 40 ? " text" : "", figure.text.empty() ? "–" : htmlText(figure.text));
         if (bars && place++ == 0)
             text += std::format("<td class=chart aria-hidden=true><span class=bar style=\"width:{:.1f}%\"></span></td>",
                                 number && largest > 0 ? 100 * figure.value->high / largest : 0.0);
@@ -198,15 +180,15 @@ std::string rowHtml(const ReproduceRow& row, bool bars, double largest) {
 
 std::string tableHtml(const ReproduceTable& table, const std::string& published) {
     std::string text =
-        std::format("<section id=\"{}\"><h2>{}</h2>\n<p>{}</p><p class=note>Published: {}</p>\n", html(table.id),
-                    html(table.title), htmlProse(table.caption), htmlProse(table.source));
+        std::format("<section id=\"{}\"><h2>{}</h2>\n<p>{}</p><p class=note>Published: {}</p>\n", htmlText(table.id),
+                    htmlText(table.title), htmlProse(table.caption), htmlProse(table.source));
     if (table.rows.empty()) {
         text += "<p>Nothing to show.</p>\n";
     } else {
         text += "<div class=wide tabindex=0><table><thead><tr>";
         size_t place = 0;
         for (const std::string& column : columnsOf(table, published)) {
-            text += std::format("<th{}>{}</th>", place < table.labels.size() ? "" : " class=n", html(column));
+            text += std::format("<th{}>{}</th>", place < table.labels.size() ? "" : " class=n", htmlText(column));
             if (table.bars && place == table.labels.size()) text += "<th aria-hidden=true></th>";
             ++place;
         }
@@ -215,7 +197,7 @@ std::string tableHtml(const ReproduceTable& table, const std::string& published)
         for (const ReproduceRow& row : table.rows) text += rowHtml(row, table.bars, largest);
         text += "</tbody></table></div>\n";
     }
-    for (const std::string& note : table.notes) text += "<p class=note>" + html(note) + "</p>\n";
+    for (const std::string& note : table.notes) text += "<p class=note>" + htmlText(note) + "</p>\n";
     return text + "</section>\n";
 }
 
@@ -228,7 +210,7 @@ std::string slipsHtml(const Reproduction& all) {
         text += std::format(
             "<tr><td class=text>{}</td><td class=text>{}</td><td class=text>{}</td><td class=text>{}</td>"
             "</tr>\n",
-            html(slip.where), html(slip.printed), html(slip.arithmetic), htmlProse(slip.follow));
+            htmlText(slip.where), htmlText(slip.printed), htmlText(slip.arithmetic), htmlProse(slip.follow));
     return text + "</tbody></table></div></section>\n";
 }
 
@@ -286,14 +268,14 @@ std::string reproduceHtml(const Reproduction& all, const std::vector<ReproduceSc
     std::string text =
         "<!doctype html>\n<html lang=en><head><meta charset=utf-8><meta name=viewport "
         "content=\"width=device-width, initial-scale=1\"><title>" +
-        html(heading(all)) + "</title><style>" + std::string(kStyle) + "</style></head><body>\n<h1>" +
-        html(heading(all)) + "</h1>\n";
-    for (const std::string& line : contextLines(all, scenes)) text += "<p>" + html(line) + "</p>\n";
+        htmlText(heading(all)) + "</title><style>" + std::string(kStyle) + "</style></head><body>\n<h1>" +
+        htmlText(heading(all)) + "</h1>\n";
+    for (const std::string& line : contextLines(all, scenes)) text += "<p>" + htmlText(line) + "</p>\n";
     text += "<nav aria-label=Tables>";
     for (const ReproduceTable& table : all.tables)
-        text += std::format("<a href=\"#{}\">{}</a>", html(table.id), html(table.title));
+        text += std::format("<a href=\"#{}\">{}</a>", htmlText(table.id), htmlText(table.title));
     text += "<a href=\"#slips\">Known slips</a></nav>\n<h2>What is not available of the publication</h2>\n<ul>";
-    for (const std::string& line : all.unavailable) text += "<li>" + html(line) + "</li>";
+    for (const std::string& line : all.unavailable) text += "<li>" + htmlText(line) + "</li>";
     text += "</ul>\n";
     for (const ReproduceTable& table : all.tables) text += tableHtml(table, displayName(all.thesis));
     return text + slipsHtml(all) + "</body></html>\n";
@@ -329,7 +311,7 @@ std::string reproduceText(const Reproduction& all) {
         for (const ReproduceRow& row : table.rows) {
             if (!row.headline) continue;
             std::string name;
-            for (const std::string& label : row.labels) name += (name.empty() ? "" : ", ") + label;
+            for (const std::string& label : row.labels) name += (name.empty() ? "" : ", ") + terminalText(label);
             auto cell = [](const Figure& figure) { return figure.text.empty() ? std::string("-") : figure.text; };
             text += std::format("  {:<64} {:>12} {:>22} {:>18}\n", name, cell(row.ours), cell(row.published),
                                 cell(row.ratio));

@@ -297,9 +297,56 @@ TEST_CASE("outputs that cannot be written") {
     });
     CHECK(*readWholeFile(pathOf("plain")) == "x");
     // Standard output on a full disk.
-    const Outcome full = finish(start({"scene", "list"}, {}, "/dev/full"));
-    CHECK(full.status != 0);
-    CHECK_THAT(full.err, ContainsSubstring("skinbench: standard output cannot be written"));
+    for (const Words& words : {Words{"scene", "list"}, {"--help"}, {"--version"}, {"bench", "--help"}}) {
+        const Outcome full = finish(start(words, {}, "/dev/full"));
+        CHECK(full.status == 1);
+        CHECK_THAT(full.err, ContainsSubstring("skinbench: standard output cannot be written"));
+    }
+}
+
+TEST_CASE("outputs that would replace what is no file of their kind") {
+    REQUIRE(call({"bench", "builtin:robot:2000", "--routes", "cpu", "--preset", "quick", "--out", "kinds"}).status ==
+            0);
+    const std::string results = "kinds/results.json";
+    const std::string before = readWholeFile(pathOf(results)).value_or("none");
+    fs::copy_file(pathOf(results), pathOf("kinds/page.html"));
+    fs::create_symlink("results.json", pathOf("kinds/link.html"));
+    checkRefused({
+        {{"report", results, "-o", results}, 2, "is no .json file"},
+        {{"report", results, "-o", "new.json"}, 2, "is no .json file"},
+        {{"report", "kinds/page.html", "-o", "kinds/page.html"}, 2, "is an input"},
+        {{"report", results, "-o", "kinds/link.html"}, 2, "is an input"},
+        {{"render", "builtin:robot:2000", "--route", "vk", "-o", "x.glb"}, 2, "is no .glb file"},
+    });
+    CHECK(readWholeFile(pathOf(results)).value_or("") == before);
+    CHECK(!fs::exists(pathOf("new.json")));
+    CHECK(call({"report", results, "-o", "/dev/null"}).status == 0);
+    CHECK(fs::is_character_file("/dev/null"));
+    const Outcome page = call({"report", results, "-o", "/dev/stdout"});
+    CHECK(page.status == 0);
+    CHECK(page.out.starts_with("<!doctype html>"));
+    fs::create_directories(pathOf("planted"));
+    fs::create_symlink(pathOf("victim"), pathOf("planted/results.json"));
+    checkRefused({{{"bench", "builtin:robot:2000", "--routes", "cpu", "--out", "planted"}, 2, "no regular file"}});
+    CHECK(!fs::exists(pathOf("victim")));
+}
+
+TEST_CASE("names that are not UTF-8 lose nothing, and messages stay one line") {
+    const std::string odd = "caf\xE9\n\x1b[31m.glb";
+    REQUIRE(call({"scene", "export", "builtin:robot:2000", odd}).status == 0);
+    for (const Words& words : {Words{"verify", odd, "--routes", "cpu", "--copies", "1", "--json", "--out", "odd"},
+                               {"inspect", odd, "--json"},
+                               {"partition", odd, "--json"}}) {
+        const Outcome outcome = call(words);
+        INFO(words[0] << ": " << outcome.err);
+        CHECK(outcome.status == 0);
+        CHECK(json::parse(outcome.out, nullptr, false).is_object());
+    }
+    const Outcome missing = call({"verify", std::string(3'000, 'x') + "\nskinbench: all is well"});
+    CHECK(missing.status == 2);
+    REQUIRE(linesOf(missing.err).size() == 1);
+    CHECK(missing.err.size() <= 410);
+    CHECK_THAT(missing.err, ContainsSubstring("\\nskinbench: all is well"));
 }
 
 TEST_CASE("what the machine cannot do has status 1") {

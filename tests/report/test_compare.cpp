@@ -206,9 +206,35 @@ TEST_CASE("cases of one file, skipped and failed cases are listed") {
           "A failed: wrong | B ok", "ok in neither (1)", "no difference (1)", "not timed in both (1)"})
         CHECK_THAT(text, ContainsSubstring(part));
     CHECK(text.find('*') == std::string::npos);
-    CHECK(isWorse(find(*compared, "breaks"), 1000));
-    for (const char* id : {"both", "gone", "new", "mends", "never", "verified"})
-        CHECK(!isWorse(find(*compared, id), 0));
+    const std::vector<std::string> wanted = {
+        "1 of 7 cases is ok in A and not in B; the first, breaks, failed: off by 3",
+        "1 of 7 cases is ok in A and missing in B; the first, gone",
+        "1 of 7 cases is not timed in both files; the first, verified"};
+    CHECK(findWorse(*compared, 1000, false) == wanted);
+    CHECK(findWorse(*compared, 1000, true) == std::vector{wanted[0], wanted[2]});
+}
+
+TEST_CASE("a guard that compares nothing fails") {
+    const Json full = file({timed("x", spread(10, 0.01, 20)), timed("y", spread(10, 0.01, 20))});
+    auto worse = [](const Json& a, const Json& b, bool allowMissing) {
+        const auto compared = compareResults(a, b);
+        REQUIRE(compared);
+        return findWorse(*compared, 3, allowMissing);
+    };
+    CHECK(worse(full, full, false).empty());
+    const std::string nothing = "no case was compared: A and B have none that is timed in both";
+    CHECK(worse(full, file({}), false) ==
+          std::vector<std::string>{"2 of 2 cases are ok in A and missing in B; the first, x"});
+    CHECK(worse(full, file({}), true) == std::vector{nothing});
+    CHECK(worse(file({}), full, false) == std::vector{nothing});
+    CHECK(worse(full, file({timed("x", spread(10, 0.01, 20))}), true).empty());
+    const Json few = file({timed("x", spread(10, 0.01, 5))});
+    CHECK(worse(few, few, false) ==
+          std::vector<std::string>{"1 of 1 cases has too few samples to be compared; the first, x"});
+    const Json skipped = file({untimed("x", "skipped", "no GPU")}), failed = file({untimed("x", "failed", "wrong")});
+    CHECK(worse(skipped, skipped, false) == std::vector{nothing});
+    CHECK(worse(skipped, failed, false) ==
+          std::vector<std::string>{"1 of 1 cases failed in B and was not ok in A; the first, x, failed: wrong"});
 }
 
 TEST_CASE("worse is slower than allowed and beyond noise") {
@@ -217,12 +243,13 @@ TEST_CASE("worse is slower than allowed and beyond noise") {
         file({timed("five", spread(10.5, 0.01, 30, 3)), timed("noise", {8.2, 9.1, 9.9, 10.4, 11, 11.5, 12, 14})});
     const auto compared = compareResults(a, b);
     REQUIRE(compared);
-    CHECK(isWorse(find(*compared, "five"), 3));
-    CHECK(!isWorse(find(*compared, "five"), 8));
-    CHECK(!isWorse(find(*compared, "noise"), 0));
+    CHECK(findWorse(*compared, 3, false).size() == 1);
+    CHECK_THAT(findWorse(*compared, 3, false).front(),
+               ContainsSubstring("1 of 2 cases is more than 3 % slower; the first, five, takes 1.0"));
+    CHECK(findWorse(*compared, 8, false).empty());
     const auto turned = compareResults(b, a);
     REQUIRE(turned);
-    CHECK(!isWorse(find(*turned, "five"), 0));
+    CHECK(findWorse(*turned, 0, false).empty());
 }
 
 TEST_CASE("what differs between the files is said") {

@@ -421,10 +421,10 @@ TEST_CASE("what is no result file is told with its path") {
     }
     Json json = sample();
     json["cases"][1] = "text";
-    refused(fixture::writeText("text_case.json", json.dump()), "an entry of 'cases' lacks");
+    refused(fixture::writeText("text_case.json", json.dump()), "entry 1 of 'cases' lacks the key 'id'");
     json = sample();
     json["devices"][0] = 5;
-    refused(fixture::writeText("device.json", json.dump()), "an entry of 'devices' lacks");
+    refused(fixture::writeText("device.json", json.dump()), "entry 0 of 'devices' lacks");
     for (const auto& [group, key] : {std::pair{"scene", "mean_influences"}, {"settings", "copies"}, {"host", "cpu"}}) {
         json = sample();
         json[group].erase(key);
@@ -437,4 +437,54 @@ TEST_CASE("what is no result file is told with its path") {
         json["cases"][0][group] = 5;
         refused(fixture::writeText("figure.json", json.dump()), group);
     }
+}
+
+TEST_CASE("a value of the wrong kind is named with file, case and key") {
+    auto refused = [](const char* pointer, const Json& value, const std::string& message) {
+        Json json = sample();
+        json[nlohmann::json_pointer<std::string>(pointer)] = value;
+        const std::string path = fixture::writeText("wrong.json", json.dump());
+        const auto loaded = loadResults(path);
+        INFO(pointer);
+        REQUIRE(!loaded);
+        CHECK(loaded.error().text == path + ": " + message);
+    };
+    const std::string id = sample()["cases"][0]["id"];
+    refused("/cases/0/gpu_ms/median", "fast", "case " + id + ": 'gpu_ms': 'median' is \"fast\", not a number");
+    refused("/cases/0/gpu_ms/samples", {1, "2"},
+            "case " + id + ": 'gpu_ms': 'samples' is [1,\"2\"], not a list of numbers");
+    refused("/cases/0/status", 4, "case " + id + ": 'status' is 4, not a text");
+    refused("/cases/0/id", 4, "entry 0 of 'cases': 'id' is 4, not a text");
+    refused("/devices/0/software", "no", "entry 0 of 'devices': 'software' is \"no\", not true or false");
+    refused("/scene/vertices", {}, "is not a whole result file: 'scene': 'vertices' is null, not a number");
+    refused("/noise_floor", "low", "the file: 'noise_floor' is \"low\", not a number");
+    refused("/warnings", {5}, "the file: 'warnings' is [5], not a list of texts");
+}
+
+TEST_CASE("result files that nest deeply or hold very many keys are refused before they are read") {
+    auto refused = [](const std::string& text, const char* why) {
+        const auto loaded = loadResults(fixture::writeText("large.json", text));
+        REQUIRE(!loaded);
+        CHECK_THAT(loaded.error().text, ContainsSubstring(why));
+    };
+    refused(std::string(70'000, '['), "nests its JSON deeper than 100 levels");
+    std::string many = "{\"schema\": 1";
+    for (int key = 0; key < 80'000; ++key) many += ", \"k" + std::to_string(key) + "\": 0";
+    refused(many + "}", "more than 1000 keys");
+}
+
+TEST_CASE("text that is not ours stays a field of the CSV, a line of the table and an element of the page") {
+    Json json = sample();
+    json["scene"]["name"] = "=HYPERLINK(1)\rx,\"y\"\xff";
+    json["cases"][1]["reason"] = "no\nskinbench: forged \x1b[31m";
+    json["warnings"] = {"first\nsecond"};
+    const std::string csv = resultsCsv(json);
+    CHECK_THAT(csv, ContainsSubstring("\n\"'=HYPERLINK(1)\rx,\"\"y\"\"\xEF\xBF\xBD\","));
+    const std::string table = resultsTable(json);
+    CHECK_THAT(table, ContainsSubstring("no\\nskinbench: forged \\x1b[31m\n"));
+    CHECK_THAT(table, ContainsSubstring("! first\\nsecond\n"));
+    CHECK(table.find('\x1b') == std::string::npos);
+    json["scene"]["name"] = "</script><script>alert(1)</script>";
+    CHECK(reportHtml({json}, {"\"><img src=x>"}).find("alert(1)</script>") == std::string::npos);
+    CHECK(reportHtml({json}, {"\"><img src=x>"}).find("<img src=x>") == std::string::npos);
 }
