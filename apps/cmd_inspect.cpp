@@ -4,6 +4,7 @@
 #include <nlohmann/json.hpp>
 
 #include "apps/apps.h"
+#include "common/core/text.h"
 #include "common/report/inspect.h"
 
 namespace skinbench {
@@ -36,8 +37,9 @@ std::string cutName(const MeshletRow& row) {
 void printScene(const Inspection& inspection) {
     const SceneStats& stats = inspection.stats;
     std::cout << std::format(
-        "{}: {} vertices, {} triangles, {} joints, {} tuples, {:.2f} influences ({} at the most)\n", inspection.scene,
-        stats.vertices, stats.triangles, stats.joints, stats.uniqueTuples, stats.meanInfluences, stats.maxInfluences);
+        "{}: {} vertices, {} triangles, {} joints, {} tuples, {:.2f} influences ({} at the most)\n",
+        terminalText(inspection.scene), stats.vertices, stats.triangles, stats.joints, stats.uniqueTuples,
+        stats.meanInfluences, stats.maxInfluences);
 }
 
 void printMeshlets(const Inspection& inspection) {
@@ -82,7 +84,7 @@ void printCodecs(const Inspection& inspection) {
     for (const CodecRow& row : inspection.codecs) {
         std::cout << std::format("{:<8} {:<7} {:<10}", geometryName(row.geometry), row.builder->name, row.codec->name);
         if (!row.reason.empty()) {
-            std::cout << " " << row.reason << "\n";
+            std::cout << " " << terminalText(row.reason) << "\n";
             continue;
         }
         auto bytes = [](const std::optional<uint64_t>& count) { return count ? std::to_string(*count) : "-"; };
@@ -103,13 +105,14 @@ void printCodecs(const Inspection& inspection) {
 int runInspect(const InspectOptions& options) {
     auto settings = inspectSettings(options.selectors.words);
     if (!settings) return reportError(settings.error());
+    settings->all = options.all;
     auto stored = loadScene(options.selectors.scene);
     if (!stored) return reportError(stored.error());
     auto inspection = inspectScene(*stored, *settings);
     if (!inspection) return reportError(inspection.error());
     for (const std::string& warning : inspection->warnings) warn(inspection->scene + ": " + warning);
     if (options.json) {
-        std::cout << inspectJson(*inspection).dump(1) << "\n";
+        std::cout << dumpJson(inspectJson(*inspection)) << "\n";
         return kExitDone;
     }
     printScene(*inspection);

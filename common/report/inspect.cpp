@@ -6,7 +6,6 @@
 #include <chrono>
 #include <cmath>
 #include <functional>
-#include <thread>
 
 #include <nlohmann/json.hpp>
 
@@ -25,13 +24,9 @@ constexpr uint32_t kFloatVertexBytes = 32;  // position, normal and texture coor
 // Runs every task once, spread over the cores.
 void runAll(const std::vector<std::function<void()>>& tasks) {
     std::atomic<size_t> next = 0;
-    auto work = [&] {
+    parallelEach(std::min(tasks.size(), coreCount()), [&](size_t) {
         for (size_t task = next++; task < tasks.size(); task = next++) tasks[task]();
-    };
-    const size_t threads = std::min<size_t>(tasks.size(), std::max(1u, std::thread::hardware_concurrency()));
-    std::vector<std::jthread> others;
-    for (size_t t = 1; t < threads; ++t) others.emplace_back(work);
-    work();
+    });
 }
 
 // --- meshlets --------------------------------------------------------------------------------------------------
@@ -251,19 +246,13 @@ struct CutScene {
     std::vector<MeshletMesh> cuts;  // one a builder
 };
 
-// In file order and in cache order: a builder has one core, so that the two take no longer than one.
-std::array<CutScene, 2> cutScenes(const Scene& stored, Geometry geometry, const InspectSettings& settings) {
-    std::array<CutScene, 2> made;
-    std::vector<std::function<void()>> tasks;
-    for (bool cacheOrder : {false, true})
-        tasks.push_back([&, cacheOrder] {
-            CutScene& into = made[cacheOrder];
-            into.scene = prepareScene(stored, {settings.influences, geometry, cacheOrder});
-            if (!into.scene) return;
-            for (const Builder& builder : builders())
-                into.cuts.push_back(builder.build(into.scene->mesh, settings.limits));
-        });
-    runAll(tasks);
+// A builder has one core.
+CutScene cutScene(const Scene& stored, Geometry geometry, bool cacheOrder, const InspectSettings& settings) {
+    CutScene made{prepareScene(stored, {settings.influences, geometry, cacheOrder}), {}};
+    if (!made.scene) return made;
+    made.cuts.resize(builders().size());
+    parallelEach(made.cuts.size(),
+                 [&](size_t b) { made.cuts[b] = builders()[b].build(made.scene->mesh, settings.limits); });
     return made;
 }
 
@@ -373,10 +362,10 @@ Result<Inspection> inspectScene(const Scene& stored, const InspectSettings& sett
     Inspection inspection;
     inspection.scene = stored.name;
     inspection.settings = settings;
-    for (Geometry geometry : {Geometry::welded, Geometry::unwelded}) {
-        std::array<CutScene, 2> made = cutScenes(stored, geometry, settings);
+    for (Geometry geometry : {Geometry::welded, Geometry::unwelded})
         for (bool cacheOrder : {true, false}) {
-            const auto [scene, cuts] = std::move(made[cacheOrder]);
+            if (!settings.all && !(geometry == Geometry::welded && cacheOrder)) continue;
+            const auto [scene, cuts] = cutScene(stored, geometry, cacheOrder, settings);
             SKINBENCH_TRY(scene);
             SKINBENCH_TRY(addMeshletRows(scene->mesh, cuts, geometry, cacheOrder, inspection));
             if (!cacheOrder) continue;
@@ -386,7 +375,6 @@ Result<Inspection> inspectScene(const Scene& stored, const InspectSettings& sett
             inspection.warnings = scene->warnings;
             inspection.attributes = attributeErrors(scene->mesh);
         }
-    }
     return inspection;
 }
 

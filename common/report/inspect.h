@@ -22,6 +22,7 @@ struct InspectSettings {
     int influences = 4;                                      // 4 or 8
     std::vector<CiKey> keys = {CiKey::ordered, CiKey::fit};  // of CiGrouping::triangles
     uint32_t minVertices = CommonInfluenceOptions{}.minVertices;
+    bool all = false;  // unwelded, and in the file's order too; false: as it is drawn, welded and in cache order
 };
 
 // Distinct joints with a weight per meshlet.
@@ -93,9 +94,9 @@ struct Inspection {
     SceneStats stats;  // welded
     InspectSettings settings;
     std::vector<std::string> warnings;
-    std::vector<MeshletRow> meshlets;  // welded and unwelded, with and without cache order, every builder
+    std::vector<MeshletRow> meshlets;  // as settings.all says, every builder
     AttributeErrors attributes;        // welded
-    std::vector<CodecRow> codecs;      // welded and unwelded in cache order, every builder
+    std::vector<CodecRow> codecs;      // in cache order, every builder
 };
 
 JointSpread jointSpread(const Mesh& mesh, const MeshletMesh& meshlets);

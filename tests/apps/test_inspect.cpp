@@ -57,7 +57,8 @@ void recountPlain(const Mesh& mesh, const MeshletRow& row, const MeshletLimits& 
     CHECK(row.joints.largest == largest);
 }
 
-void recount(const Scene& stored, const InspectSettings& settings) {
+void recount(const Scene& stored, InspectSettings settings) {
+    settings.all = true;
     const auto inspection = inspectScene(stored, settings);
     REQUIRE(inspection);
     CHECK(inspection->meshlets.size() == 4 * builders().size() * (2 + settings.keys.size()));
@@ -176,6 +177,7 @@ TEST_CASE("codec rows and attribute errors") {
     for (int influences : {4, 8}) {
         InspectSettings settings;
         settings.influences = influences;
+        settings.all = true;
         const auto inspection = inspectScene(*stored, settings);
         REQUIRE(inspection);
         CHECK(inspection->codecs.size() == 2 * builders().size() * codecs().size());
@@ -203,7 +205,9 @@ TEST_CASE("codec rows and attribute errors") {
 }
 
 TEST_CASE("inspect's JSON has the keys of its schema") {
-    const auto inspection = inspectScene(tinyScene(), {});
+    InspectSettings settings;
+    settings.all = true;
+    const auto inspection = inspectScene(tinyScene(), settings);
     REQUIRE(inspection);
     const Json json = inspectJson(*inspection);
     CHECK(json["schema"] == "skinbench-inspect/1");
@@ -247,7 +251,12 @@ TEST_CASE("inspect's JSON has the keys of its schema") {
 }
 
 TEST_CASE("the command inspect") {
-    const program::Outcome table = program::call({"inspect", "builtin:robot:2500", "--ci-min", "16"});
+    const program::Outcome drawn = program::call({"inspect", "builtin:robot:2500"});
+    CHECK(drawn.status == 0);
+    CHECK_THAT(drawn.out, ContainsSubstring("welded   cache  meshopt"));
+    CHECK(drawn.out.find("unwelded") == std::string::npos);
+    CHECK(drawn.out.find(" file ") == std::string::npos);
+    const program::Outcome table = program::call({"inspect", "builtin:robot:2500", "--ci-min", "16", "--all"});
     CHECK(table.status == 0);
     for (const char* part :
          {"triangles/fit", "triangles/ordered", "unwelded", "octahedral", "uc", "encode ms", "encode all"})

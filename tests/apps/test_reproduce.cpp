@@ -97,6 +97,7 @@ ReproduceScene inspected(const std::string& name) {
     auto stored = loadScene(name);
     REQUIRE(stored);
     InspectSettings settings;
+    settings.all = true;
     settings.keys = {CiKey::ordered, CiKey::set, CiKey::fit};
     auto inspection = inspectScene(*stored, settings);
     REQUIRE(inspection);
