@@ -4,7 +4,6 @@
 #include <set>
 
 #include "apps/apps.h"
-#include "common/core/stats.h"
 
 namespace skinbench {
 namespace {
@@ -61,8 +60,8 @@ Result<std::vector<Calibration>> calibrateShapes(Workload& workload, std::vector
             Calibration calibration;
             double fastest = 0;
             for (const CaseResult& result : *results) {
-                if (result.status != CaseStatus::ok) continue;
-                const double median = summarise(result.total).median;
+                if (result.status != CaseStatus::ok || !result.figures) continue;
+                const double median = result.figures->total.median;
                 calibration.tried.emplace_back(result.id, median);
                 if (calibration.chosen.empty() || median < fastest) {
                     calibration.chosen = result.id;

@@ -83,13 +83,20 @@ static Interval middle(std::span<const double> values, double level) {
     return {quantile(values, (1 - level) / 2), quantile(values, (1 + level) / 2)};
 }
 
-Interval medianInterval(std::span<const double> samples, std::span<const size_t> roundSizes, double level) {
-    if (samples.empty()) return {};
+std::vector<Interval> medianIntervals(std::span<const double> samples, std::span<const size_t> roundSizes,
+                                      std::span<const double> levels) {
+    std::vector<Interval> intervals(levels.size());
+    if (samples.empty()) return intervals;
     const auto rounds = roundsOf(samples, roundSizes);
     std::mt19937 random(kSeed);
     std::vector<double> medians(kResamples), drawn;
     for (double& median : medians) median = resampledMedian(rounds, drawn, random);
-    return middle(medians, level);
+    for (size_t i = 0; i < levels.size(); ++i) intervals[i] = middle(medians, levels[i]);
+    return intervals;
+}
+
+Interval medianInterval(std::span<const double> samples, std::span<const size_t> roundSizes, double level) {
+    return medianIntervals(samples, roundSizes, {&level, 1}).front();
 }
 
 Interval medianRatioInterval(const Measured& a, const Measured& b) {

@@ -40,6 +40,10 @@ struct Interval {
 // interval; no samples give 0, 0.
 Interval medianInterval(std::span<const double> samples, std::span<const size_t> roundSizes, double level = 0.95);
 
+// The same for each of the levels, from one set of resamples.
+std::vector<Interval> medianIntervals(std::span<const double> samples, std::span<const size_t> roundSizes,
+                                      std::span<const double> levels);
+
 // Samples round behind round; sizes add up to the samples.
 struct Measured {
     std::vector<double> samples;

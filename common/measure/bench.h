@@ -45,6 +45,19 @@ struct Accuracy {
     std::optional<double> codecBound;  // what codecError.position may be at most; empty: the codec promises nothing
 };
 
+// What the samples of a case say, in milliseconds per frame for all copies.
+struct CaseFigures {
+    Summary total;
+    Interval interval;      // 95 %, of the median of `total`
+    Interval wideInterval;  // the same at 99.5 %, for the pairs of BenchSettings::selfTest
+    size_t outliers = 0;
+    Drift drift;
+    std::map<std::string, Summary> passes;
+    Summary record, submit;
+    std::optional<Summary> overlapped;
+    std::optional<Interval> overlappedInterval;
+};
+
 // Samples are milliseconds per frame for all copies. `total` is the sum of the passes, and for the variant `cpu` also
 // of the skinning and the upload on the host (passes "skin" and "upload").
 struct CaseResult {
@@ -56,18 +69,23 @@ struct CaseResult {
     CaseStatus status = CaseStatus::skipped;
     std::string reason;  // empty when ok
     std::vector<double> total;
-    std::vector<size_t> roundSizes;    // of `total`, round after round
-    std::optional<Interval> interval;  // of the median of `total`
-    std::vector<double> overlapped;    // frames of several passes in RunMode::overlap
-    std::optional<Interval> overlappedInterval;
-    std::optional<Counters> counters;  // of one frame
+    std::vector<size_t> roundSizes;  // of `total`, round after round
+    std::vector<double> overlapped;  // frames of several passes in RunMode::overlap
     std::map<std::string, std::vector<double>> passes;
     std::vector<double> record;  // host time to record a frame, and to submit it
     std::vector<double> submit;
+    std::optional<CaseFigures> figures;  // of the samples, made when a round of the case ends
+    std::optional<Counters> counters;    // of one frame
     uint32_t meshlets = 0;
     std::optional<MemoryBytes> memory;
     std::optional<Accuracy> accuracy;
 };
+
+// Of at least one sample.
+CaseFigures figuresOf(const CaseResult& result);
+
+// Whether the case has times that may be published.
+bool isTimed(const CaseResult& result);
 
 // Backends by API; an API that could not be opened has a null backend and the reason.
 struct OpenBackend {

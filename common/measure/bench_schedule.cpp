@@ -227,9 +227,7 @@ void timeCase(Timer& timer, size_t number, uint32_t from, uint32_t count, double
     if (result.total.size() > before) result.roundSizes.push_back(result.total.size() - before);
     failOnMessages(result, place->second.backend);
     if (result.status == CaseStatus::failed) return drop(timer, number);
-    // Kept, because checkpoints write them again and again.
-    result.interval = medianInterval(result.total, result.roundSizes);
-    if (!result.overlapped.empty()) result.overlappedInterval = medianInterval(result.overlapped, result.roundSizes);
+    if (!result.total.empty()) result.figures = figuresOf(result);
 }
 
 // The frames of a round: the settings' frames over their rounds, and as many as in the first in each that is added.
@@ -246,8 +244,8 @@ std::pair<uint32_t, uint32_t> framesOfRound(const BenchSettings& settings, uint3
 bool needsRound(const BenchSettings& settings, const CaseResult& result, uint32_t round) {
     if (result.status != CaseStatus::ok) return false;
     if (round < settings.rounds) return true;
-    if (settings.precision <= 0 || round >= std::max(kMostRounds, settings.rounds) || !result.interval) return false;
-    return relativeHalfWidth(*result.interval, summarise(result.total).median) > settings.precision;
+    if (settings.precision <= 0 || round >= std::max(kMostRounds, settings.rounds) || !result.figures) return false;
+    return relativeHalfWidth(result.figures->interval, result.figures->total.median) > settings.precision;
 }
 
 // A seeded Fisher-Yates shuffle: std::shuffle's order differs between standard libraries.

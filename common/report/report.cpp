@@ -7,10 +7,8 @@
 #include <format>
 #include <fstream>
 
-#include <nlohmann/json.hpp>
-
-#include "common/core/stats.h"
 #include "common/core/version.h"
+#include "common/report/columns.h"
 
 namespace skinbench {
 using Json = nlohmann::ordered_json;
@@ -88,83 +86,6 @@ Json capsJson(const DeviceCaps& caps) {
             {"primitive_cull_ignored", caps.primitiveCullIgnored}};
 }
 
-static Json intervalJson(const std::optional<Interval>& interval) {
-    return interval ? Json::array({interval->low, interval->high}) : Json(nullptr);
-}
-
-static Json timesJson(const CaseResult& result) {
-    if (result.total.empty()) return nullptr;
-    const Summary s = summarise(result.total);
-    Json json = {{"mean", s.mean}, {"median", s.median}, {"min", s.min}, {"max", s.max}, {"p95", s.p95}, {"cv", s.cv}};
-    json["interval"] = intervalJson(result.interval);
-    json["outliers"] = countOutliers(result.total);
-    const Drift drift = driftBetweenRounds(result.total, result.roundSizes);
-    json["drift"] = {{"relative", drift.relative}, {"p", drift.p ? Json(*drift.p) : Json(nullptr)}};
-    json["round_sizes"] = result.roundSizes;
-    json["samples"] = result.total;
-    return json;
-}
-
-static Json passesJson(const CaseResult& result) {
-    if (result.total.empty()) return nullptr;
-    Json passes = {{"skin", nullptr}, {"depth", nullptr}, {"draw", nullptr}};
-    for (const auto& [label, samples] : result.passes) passes[label] = summarise(samples).median;
-    return passes;
-}
-
-static Json overlapJson(const CaseResult& result) {
-    if (result.overlapped.empty()) return nullptr;
-    return {{"median", summarise(result.overlapped).median}, {"interval", intervalJson(result.overlappedInterval)}};
-}
-
-static Json countersJson(const std::optional<Counters>& counters) {
-    if (!counters) return nullptr;
-    auto number = [](const std::optional<uint64_t>& value) { return value ? Json(*value) : Json(nullptr); };
-    return {{"input_vertices", number(counters->inputVertices)},
-            {"input_primitives", number(counters->inputPrimitives)},
-            {"vertex_invocations", number(counters->vertexInvocations)},
-            {"clipping_invocations", number(counters->clippingInvocations)},
-            {"clipping_primitives", number(counters->clippingPrimitives)},
-            {"fragment_invocations", number(counters->fragmentInvocations)},
-            {"compute_invocations", number(counters->computeInvocations)},
-            {"task_invocations", number(counters->taskInvocations)},
-            {"mesh_invocations", number(counters->meshInvocations)},
-            {"mesh_primitives", number(counters->meshPrimitives)}};
-}
-
-// What a frame draws, and what it holds of all copies, a second.
-static Json achievedJson(const RunContext& context, const CaseResult& result) {
-    if (result.total.empty() || !result.memory) return nullptr;
-    const double seconds = summarise(result.total).median * 1e-3, copies = context.workload.copies;
-    if (seconds <= 0) return nullptr;
-    return {{"bytes_per_s", static_cast<double>(result.memory->total()) * copies / seconds},
-            {"triangles_per_s", static_cast<double>(context.scene.triangles) * copies / seconds}};
-}
-
-static Json memoryJson(const std::optional<MemoryBytes>& memory) {
-    if (!memory) return nullptr;
-    return {{"vertex", memory->vertex},   {"index", memory->index},
-            {"meshlet", memory->meshlet}, {"additional_meshlet", memory->additionalMeshlet},
-            {"tuple", memory->tuple},     {"palette", memory->palette},
-            {"skinned", memory->skinned}, {"total", memory->total()}};
-}
-
-static Json accuracyJson(const CaseResult& result) {
-    if (!result.accuracy) return nullptr;
-    const Accuracy& accuracy = *result.accuracy;
-    // JSON has no infinity, which stands for a value that was not finite.
-    auto finite = [](double value) { return std::isfinite(value) ? Json(value) : Json(nullptr); };
-    const bool image = !accuracy.imageReference.empty();
-    return {{"max_position_error", finite(accuracy.error.position)},
-            {"max_normal_error", finite(accuracy.error.normal)},
-            {"tolerance", accuracy.tolerance},
-            {"codec_position_error", finite(accuracy.codecError.position)},
-            {"codec_normal_error", finite(accuracy.codecError.normal)},
-            {"codec_position_bound", accuracy.codecBound ? finite(*accuracy.codecBound) : Json(nullptr)},
-            {"image_difference", image ? Json(accuracy.imageDifference) : Json(nullptr)},
-            {"image_reference", image ? Json(accuracy.imageReference) : Json(nullptr)}};
-}
-
 // Keys of the case itself, or of its `options`; the latter hold what means something to the case, as words.
 static void addAxes(Json& to, const Case& c, bool topLevel) {
     for (const Axis& axis : axes()) {
@@ -184,6 +105,25 @@ static Json optionsJson(const Case& c) {
     return options;
 }
 
+// The names of an API's routes, by the API as devices name it.
+static Json routesOf(const std::string& api) {
+    Json names = Json::array();
+    for (const Route& route : routes())
+        if (namesOf(route.api).key == api) names.push_back(route.name);
+    return names;
+}
+
+Json routeTableJson() {
+    constexpr const char* kDialects[] = {"none", "ext", "nv"};
+    Json rows = Json::array();
+    for (const Route& route : routes())
+        rows.push_back({{"name", route.name},
+                        {"api", namesOf(route.api).key},
+                        {"api_name", namesOf(route.api).name},
+                        {"dialect", kDialects[static_cast<size_t>(route.dialect)]}});
+    return rows;
+}
+
 Json axesJson() {
     Json rows = Json::array();
     for (const Axis& axis : axes()) {
@@ -199,71 +139,34 @@ Json axesJson() {
     return rows;
 }
 
-static const char* statusName(CaseStatus status) {
-    switch (status) {
-        case CaseStatus::ok:
-            return "ok";
-        case CaseStatus::skipped:
-            return "skipped";
-        case CaseStatus::failed:
-            return "failed";
-    }
-    return "?";
-}
-
-static bool isTimed(const CaseResult& result) { return result.status == CaseStatus::ok && !result.total.empty(); }
-
-static Json limitJson(const std::vector<CaseResult>& results, const CaseResult& of) {
-    auto limit = std::ranges::find_if(results, [&](const CaseResult& r) { return r.isLimit && r.id == of.limitId; });
-    return limit == results.end() || !isTimed(*limit) ? Json(nullptr) : Json(summarise(limit->total).median);
-}
-
-static Json caseJson(const RunContext& context, const std::vector<CaseResult>& results, const CaseResult& result) {
-    const Case& c = result.theCase;
-    const bool timed = isTimed(result);
+static Json caseJson(const ResultInRun& of) {
+    const CaseResult& result = of.result;
     Json json = {{"id", result.id}};
-    addAxes(json, c, true);
-    json.update(Json{{"options", optionsJson(c)},
-                     {"status", statusName(result.status)},
-                     {"reason", result.status == CaseStatus::ok ? Json(nullptr) : Json(result.reason)},
-                     {"gpu_ms", timed ? timesJson(result) : Json(nullptr)},
-                     {"passes_ms", timed ? passesJson(result) : Json(nullptr)},
-                     {"unserialised_ms", timed ? overlapJson(result) : Json(nullptr)},
-                     {"host_ms", timed ? Json{{"record", summarise(result.record).median},
-                                              {"submit", summarise(result.submit).median}}
-                                       : Json(nullptr)},
-                     {"limit_ms", limitJson(results, result)},
-                     {"limit_id", result.limitId.empty() ? Json(nullptr) : Json(result.limitId)},
-                     {"achieved", timed ? achievedJson(context, result) : Json(nullptr)},
-                     {"counters", countersJson(result.counters)},
-                     {"meshlets", c.builder && result.meshlets ? Json(result.meshlets) : Json(nullptr)},
-                     {"memory_bytes", memoryJson(result.memory)},
-                     {"accuracy", accuracyJson(result)}});
+    addAxes(json, result.theCase, true);
+    json["options"] = optionsJson(result.theCase);
+    putColumns(json, of);
+    // Passes that a variant names as it likes have no column.
+    if (isTimed(result))
+        for (const auto& [label, times] : result.figures->passes) json["passes_ms"][label] = times.median;
     return json;
 }
 
-static Json limitsJson(const std::vector<CaseResult>& results) {
-    Json limits = Json::array();
-    for (const CaseResult& result : results) {
-        if (!result.isLimit) continue;
-        limits.push_back({{"id", result.id},
-                          {"route", result.theCase.route->name},
-                          {"raster", findAxis("raster")->get(result.theCase)},
-                          {"status", statusName(result.status)},
-                          {"reason", result.status == CaseStatus::ok ? Json(nullptr) : Json(result.reason)},
-                          {"gpu_ms", isTimed(result) ? timesJson(result) : Json(nullptr)},
-                          {"counters", countersJson(result.counters)}});
-    }
-    return limits;
+static Json limitJson(const ResultInRun& of) {
+    const Case& c = of.result.theCase;
+    Json json = {{"id", of.result.id}, {"route", c.route->name}, {"raster", findAxis("raster")->get(c)}};
+    putColumns(json, of, {"status", "reason", "gpu_ms", "counters"});
+    return json;
 }
+
+static double medianOf(const CaseResult& result) { return result.figures->total.median; }
 
 // The device's copy bandwidth, and the most triangles a second that a limit of this run reached.
 static Json peakJson(const RunContext& context, const std::vector<CaseResult>& results, Api api) {
     double most = 0;
     for (const CaseResult& result : results)
-        if (result.isLimit && result.theCase.route->api == api && isTimed(result) && summarise(result.total).median > 0)
+        if (result.isLimit && result.theCase.route->api == api && isTimed(result) && medianOf(result) > 0)
             most = std::max(most, static_cast<double>(context.scene.triangles) * context.workload.copies /
-                                      (summarise(result.total).median * 1e-3));
+                                      (medianOf(result) * 1e-3));
     auto copied = context.copyBandwidth.find(api);
     if (most == 0 && copied == context.copyBandwidth.end()) return nullptr;
     return {{"copy_bytes_per_s", copied == context.copyBandwidth.end() ? Json(nullptr) : Json(copied->second)},
@@ -305,16 +208,12 @@ static std::vector<Twins> timedTwins(const std::vector<CaseResult>& results) {
 }
 
 static double differenceOf(const Twins& twins) {
-    const double a = summarise(twins.a->total).median, b = summarise(twins.b->total).median;
+    const double a = medianOf(*twins.a), b = medianOf(*twins.b);
     return a == 0 ? 0 : std::abs(b - a) / a;
 }
 
 // Below it a difference is never told: what timestamps and clocks round.
 constexpr double kResolution = 0.001;
-
-// Fifty pairs are compared at once. Of eight rounds that differ, intervals of 95 % tell one equal pair in 80 apart by
-// chance, those of 99.5 % one in 700 (simulated as in test_stats.cpp).
-constexpr double kSelfTestLevel = 0.995;
 
 static bool skinsOnHost(const CaseResult& result) { return result.theCase.variant->skinsOnHost; }
 
@@ -328,11 +227,10 @@ std::optional<double> noiseFloor(const std::vector<CaseResult>& results) {
 static Json selfTestJson(const std::vector<CaseResult>& results) {
     Json rows = Json::array();
     for (const Twins& twins : timedTwins(results)) {
-        const Interval a = medianInterval(twins.a->total, twins.a->roundSizes, kSelfTestLevel),
-                       b = medianInterval(twins.b->total, twins.b->roundSizes, kSelfTestLevel);
+        const Interval &a = twins.a->figures->wideInterval, &b = twins.b->figures->wideInterval;
         rows.push_back({{"id", twins.a->id},
-                        {"a_ms", summarise(twins.a->total).median},
-                        {"b_ms", summarise(twins.b->total).median},
+                        {"a_ms", medianOf(*twins.a)},
+                        {"b_ms", medianOf(*twins.b)},
                         {"difference", differenceOf(twins)},
                         {"equal", (a.low <= b.high && b.low <= a.high) || differenceOf(twins) <= kResolution}});
     }
@@ -357,7 +255,7 @@ std::vector<std::string> figureWarnings(const RunContext& context, const std::ve
     size_t drifted = 0;
     for (const CaseResult& result : results) {
         if (!isTimed(result) || skinsOnHost(result)) continue;
-        const Drift drift = driftBetweenRounds(result.total, result.roundSizes);
+        const Drift& drift = result.figures->drift;
         drifted += drift.p && *drift.p < kUnlikely && drift.relative > kDrift;
     }
     if (drifted > 0)
@@ -384,13 +282,16 @@ static Json settingsJson(const RunContext& context) {
 }
 
 Json resultsJson(const RunContext& context, const std::vector<CaseResult>& results) {
-    Json devices = Json::array(), cases = Json::array();
+    Json devices = Json::array(), limits = Json::array(), cases = Json::array();
     for (const DeviceCaps& caps : context.devices) {
         devices.push_back(capsJson(caps));
+        devices.back()["routes"] = routesOf(namesOf(caps.api).key);
         devices.back()["peak"] = peakJson(context, results, caps.api);
     }
-    for (const CaseResult& result : results)
-        if (!result.isLimit) cases.push_back(caseJson(context, results, result));
+    for (const CaseResult& result : results) {
+        const ResultInRun of{context, results, result};
+        result.isLimit ? limits.push_back(limitJson(of)) : cases.push_back(caseJson(of));
+    }
     Json calibrations = Json::array();
     for (const Calibration& calibration : context.calibrations) {
         Json tried = Json::array();
@@ -410,8 +311,40 @@ Json resultsJson(const RunContext& context, const std::vector<CaseResult>& resul
             {"noise_floor", floor ? Json(*floor) : Json(nullptr)},
             {"self_test", context.bench.selfTest ? selfTestJson(results) : Json(nullptr)},
             {"axes", axesJson()},
-            {"limits", limitsJson(results)},
+            {"limits", limits},
             {"cases", cases}};
 }
+
+static void addMissing(Json& to, const Json& from) {
+    for (const auto& [name, value] : from.items())
+        if (!to.contains(name)) to[name] = value;
+}
+
+void completeResults(Json& results) {
+    for (Json& device : results["devices"])
+        if (device["route_api"].is_string()) addMissing(device, {{"routes", routesOf(device["route_api"])}});
+    if (results.contains("axes")) return;
+    results["axes"] = axesJson();
+    for (Json& row : results["cases"]) {
+        addMissing(row, {{"options", Json::object()}});
+        if (!row["id"].is_string() || !row["options"].is_object()) continue;
+        const std::string id = row["id"];
+        const auto c = parseCaseId(id.substr(0, id.find("+again")));
+        if (!c) continue;
+        Json ofCase = Json::object();
+        addAxes(ofCase, *c, true);
+        addMissing(row, ofCase);
+        addMissing(row["options"], optionsJson(*c));
+    }
+}
+
+bool isSoftwareRoute(const Json& results, const std::string& route) {
+    const Route* const row = findRoute(route);
+    return row && std::ranges::any_of(results["devices"], [&](const Json& device) {
+               return device["route_api"] == namesOf(row->api).key && device["software"];
+           });
+}
+
+bool isSoftware(const Json& results, const Json& row) { return isSoftwareRoute(results, row["route"]); }
 
 }  // namespace skinbench

@@ -56,18 +56,27 @@ nlohmann::ordered_json sceneJson(const std::string& name, const SceneStats& stat
 // The table of axes, for readers of the file: what may differ between cases, and what that changes.
 nlohmann::ordered_json axesJson();
 
+// The table of routes: name, API with its name, and dialect.
+nlohmann::ordered_json routeTableJson();
+
 nlohmann::ordered_json capsJson(const DeviceCaps& caps);
 
-// One line a case, the columns named in the first line; quoted as RFC 4180 says.
+// Adds to a file of an older version what every reader expects of one: the table of axes, every axis of a case, the
+// routes of the devices. All follow from today's tables and the ids of the cases.
+void completeResults(nlohmann::ordered_json& results);
+
+// One line a case, the columns named in the first line: every axis and every column that is no list; quoted as RFC 4180
+// says.
 std::string resultsCsv(const nlohmann::ordered_json& results);
 
 // Fixed-width lines for a terminal. Times of software drivers carry a mark that is explained below the table.
 std::string resultsTable(const nlohmann::ordered_json& results);
 
-// Reads a result file; the error says what is wrong with it.
+// Reads a result file and completes it; the error says what is wrong with it.
 Result<nlohmann::ordered_json> loadResults(const std::string& path);
 
-// Whether the route of a case is carried by a software driver; both as loadResults gives them.
+// Whether a route, or that of a case, is carried by a software driver; both as loadResults gives them.
+bool isSoftwareRoute(const nlohmann::ordered_json& results, const std::string& route);
 bool isSoftware(const nlohmann::ordered_json& results, const nlohmann::ordered_json& row);
 
 // One self-contained page of one or more result files, which are in it as JSON; `names` of the files may be fewer.

@@ -1,7 +1,5 @@
-#include <nlohmann/json.hpp>
-
 #include "common/core/text.h"
-#include "common/report/report.h"
+#include "common/report/columns.h"
 
 namespace skinbench {
 
@@ -21,14 +19,18 @@ static std::string replaced(const std::string& text, const std::string& what, co
 }
 
 // JSON has '<' within strings only, and there it may be written as \u003c, so nothing ends the element early.
+static std::string jsonElement(const std::string& attributes, const Json& json) {
+    const std::string text = dumpJson(json, -1);
+    return "<script type=\"application/json\" " + attributes + ">" + replaced(text, "<", "\\u003c") + "</script>\n";
+}
+
 static std::string resultsElement(const Json& results, const std::string& name) {
-    return "<script type=\"application/json\" class=\"results\" data-name=\"" + htmlText(name) + "\">" +
-           replaced(dumpJson(results, -1), "<", "\\u003c") + "</script>\n";
+    return jsonElement("class=\"results\" data-name=\"" + htmlText(name) + "\"", results);
 }
 
 std::string reportHtml(const std::vector<Json>& results, const std::vector<std::string>& names) {
     static const std::string page = kReportPage, place = "{{results}}";
-    std::string elements;
+    std::string elements = jsonElement("id=\"tables\"", {{"routes", routeTableJson()}, {"columns", columnsJson()}});
     for (size_t i = 0; i < results.size(); ++i)
         elements += resultsElement(results[i], i < names.size() ? names[i] : std::string());
     const size_t at = page.find(place);

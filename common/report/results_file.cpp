@@ -162,6 +162,7 @@ Result<Json> loadResults(const std::string& path) {
     Json json = Json::parse(*text, nullptr, false);
     if (json.is_discarded()) return inputError(path + ": is not JSON");
     if (auto right = checkResults(json); !right) return inputError(path + ": " + right.error().text);
+    completeResults(json);
     return json;
 }
 

@@ -4,6 +4,8 @@
 #include <format>
 #include <numeric>
 
+#include "common/report/report.h"
+
 namespace skinbench {
 
 using Json = nlohmann::ordered_json;
@@ -62,22 +64,17 @@ std::vector<std::string> valuesOf(const Json& results, const std::string& key) {
     return values;
 }
 
-bool onSoftware(const Json& results, const std::string& route) {
-    const std::string api = route.starts_with("vk") ? "vulkan" : route.starts_with("gl") ? "opengl" : "";
-    return std::ranges::any_of(results["devices"], [&](const Json& device) {
-        return device.value("route_api", "") == api && device.value("software", false);
-    });
+const char* plainRoute(const std::string& route) {
+    const Route* const row = findRoute(route);
+    SKINBENCH_ASSERT(row);
+    const auto plain = std::ranges::find_if(
+        routes(), [&](const Route& other) { return other.api == row->api && other.dialect == MeshDialect::none; });
+    return plain->name;
 }
-
-std::string plainRoute(const std::string& route) { return route.substr(0, route.find('-')); }
 
 std::optional<double> medianOf(const Json& c) {
     if (c["gpu_ms"].is_null()) return {};
     return c["gpu_ms"]["median"].get<double>();
-}
-
-static bool softwareCase(const Json& results, const Json& c) {
-    return onSoftware(results, c["route"].get<std::string>());
 }
 
 Figure markedSoftware(Figure figure) {
@@ -90,7 +87,7 @@ Figure timeRatio(const Json& results, const Json& c, const Json& base) {
     const auto time = medianOf(c), baseTime = medianOf(base);
     if (!time || !baseTime || *baseTime <= 0) return wordFigure("not measured");
     const Figure ratio = figureOf(*time / *baseTime, threeDigits);
-    return softwareCase(results, c) || softwareCase(results, base) ? markedSoftware(ratio) : ratio;
+    return isSoftware(results, c) || isSoftware(results, base) ? markedSoftware(ratio) : ratio;
 }
 
 static std::optional<Range> intervalOf(const Json& c) {
@@ -111,7 +108,7 @@ std::vector<std::string> timeNotes(const std::vector<const ReproduceRun*>& runs)
     std::map<std::pair<std::string, std::string>, size_t> left;  // route, reason -> cases
     for (const ReproduceRun* run : runs)
         for (const Json& c : run->results["cases"]) {
-            software = software || (medianOf(c) && softwareCase(run->results, c));
+            software = software || (medianOf(c) && isSoftware(run->results, c));
             intervals = intervals || intervalOf(c);
             if (c["status"] != "ok")
                 ++left[{c["route"].get<std::string>() + " " + c["status"].get<std::string>(),

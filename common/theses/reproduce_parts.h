@@ -46,10 +46,8 @@ const nlohmann::ordered_json* findCase(const nlohmann::ordered_json& results, co
 // In the order of their first case.
 std::vector<std::string> valuesOf(const nlohmann::ordered_json& results, const std::string& key);
 
-bool onSoftware(const nlohmann::ordered_json& results, const std::string& route);
-
-// "vk" or "gl".
-std::string plainRoute(const std::string& route);
+// The route of the same API without mesh shaders.
+const char* plainRoute(const std::string& route);
 
 // Median milliseconds a frame; empty where the case has no time.
 std::optional<double> medianOf(const nlohmann::ordered_json& c);

@@ -3,6 +3,7 @@
 #include <limits>
 
 #include "common/plans/variant.h"
+#include "common/report/report.h"
 #include "common/theses/reproduce_parts.h"
 
 namespace skinbench {
@@ -269,7 +270,7 @@ ReproduceTable perMeshletTable(const std::vector<ReproduceScene>& scenes) {
                      const double own = c["meshlets"], other = (*naive)["meshlets"];
                      const double ratio = *medianOf(c) / own / (*medianOf(*naive) / other);
                      Figure ours = figureOf(ratio, threeDigits);
-                     if (onSoftware(run->results, route)) ours = markedSoftware(ours);
+                     if (isSoftwareRoute(run->results, route)) ours = markedSoftware(ours);
                      const Range published = {1 - less.high, 1 - less.low};
                      ReproduceRow row{{sceneOf(scene), route, raster},
                                       ours,

@@ -65,6 +65,7 @@ CaseResult timed(const char* route, const char* variant, double milliseconds) {
     result.status = CaseStatus::ok;
     result.total = {milliseconds, milliseconds, milliseconds};
     result.roundSizes = {3};
+    result.figures = figuresOf(result);
     result.memory = MemoryBytes{.vertex = 1000};
     result.accuracy.emplace();
     result.accuracy->error = {1e-7, 1e-4};

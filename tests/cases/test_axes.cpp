@@ -144,7 +144,7 @@ TEST_CASE("an axis that is added is in the id, the file, the CSV, the keys and t
     const std::string csv = resultsCsv(json);
     CHECK(csv.substr(0, csv.find('\n')).find(",extra_speed,") != std::string::npos);
     CHECK(csv.find(",fast,") != std::string::npos);
-    CHECK(reportHtml({json}).find("extra_speed") != std::string::npos);
+    CHECK(reportHtml({json}).find("{\"name\":\"extra_speed\",\"option\":\"--extra-speed\"") != std::string::npos);
     on = false;
 }
 

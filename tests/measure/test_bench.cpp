@@ -150,9 +150,9 @@ TEST_CASE("rounds go on until the median is known well enough, or for kMostRound
     REQUIRE(results);
     const CaseResult& result = results->at(0);
     CHECK(result.roundSizes == std::vector<size_t>{2, 2});
-    REQUIRE(result.interval);
-    CHECK(result.interval->low <= summarise(result.total).median);
-    CHECK(result.interval->high >= summarise(result.total).median);
+    REQUIRE(result.figures);
+    CHECK(result.figures->interval.low <= summarise(result.total).median);
+    CHECK(result.figures->interval.high >= summarise(result.total).median);
 }
 
 TEST_CASE("the self-test times every case twice under two names") {

@@ -71,6 +71,16 @@ def ancestors(path):
         yield path
 
 
+def columns_of(paths, axes):
+    """The columns that the values of a case make: an interval two, a list none."""
+    for path in paths:
+        name = path.removeprefix("cases[].")
+        if name in ("id", "options", "gpu_ms.samples", "gpu_ms.round_sizes", *axes) or path in map(parent, paths):
+            continue
+        ends = ("_low", "_high") if name.endswith(".interval") else ("",)
+        yield from (name.replace(".", "_") + end for end in ends)
+
+
 def run(*arguments):
     return subprocess.run([program, *arguments], check=True, capture_output=True, text=True).stdout
 
@@ -100,7 +110,7 @@ assert not unknown and not missing, f"no rows of axes: {unknown}; no keys of a c
 
 with open("cases/results.csv") as file:
     header = next(csv.reader(file))
-columns = [*chapters["results.csv"], *axes]
+columns = ["scene", "id", *axes, *columns_of({path for path in results if path.startswith("cases[].")}, axes)]
 assert sorted(header) == sorted(columns), f"results.csv: {set(header) ^ set(columns)}"
 
 of_device = {path: null for path, null in results.items()

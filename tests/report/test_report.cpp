@@ -61,7 +61,6 @@ std::vector<CaseResult> makeResults() {
     results.push_back(makeResult(scanCase("vk-ext", "mesh"), CaseStatus::ok));
     results[0].total = {1, 2, 4, 9};
     results[0].roundSizes = {2, 2};
-    results[0].interval = Interval{1.5, 6.5};
     results[0].limitId = "vk-ext/none/ids/scan/redirect+ordered-records";
     results[0].counters = Counters{.clippingPrimitives = 77, .meshInvocations = 64};
     results[0].passes = {{"draw", {1, 2, 4, 9}}};
@@ -86,6 +85,8 @@ std::vector<CaseResult> makeResults() {
     results[5].isLimit = true;
     results[5].total = {0.75, 1.25};
     results[5].roundSizes = {1, 1};
+    for (size_t timed : {0, 1, 5}) results[timed].figures = figuresOf(results[timed]);
+    results[0].figures->interval = {1.5, 6.5};
     return results;
 }
 
@@ -255,9 +256,11 @@ TEST_CASE("warnings: clocks that moved, a build that is no release, rounds that 
     std::vector<CaseResult> results{makeResult(scanCase("vk", "vertex"), CaseStatus::ok)};
     for (int i = 0; i < 20; ++i) results[0].total.push_back(i < 10 ? 1 + i * 1e-4 : 1.1 + i * 1e-4);
     results[0].roundSizes = {10, 10};
+    results[0].figures = figuresOf(results[0]);
     REQUIRE(figureWarnings(context, results).size() == 1);
     CHECK_THAT(figureWarnings(context, results)[0], ContainsSubstring("1 of 1 cases drifted"));
     for (double& sample : results[0].total) sample = 1;
+    results[0].figures = figuresOf(results[0]);
     CHECK(figureWarnings(context, results).empty());
 }
 
@@ -270,6 +273,7 @@ TEST_CASE("the self-test tells the largest difference of equal cases") {
             results.push_back(makeResult(c, CaseStatus::ok));
             results.back().total = {value - width, value + width};
             results.back().roundSizes = {1, 1};
+            results.back().figures = figuresOf(results.back());
         }
         results.back().isAgain = true;
     };
@@ -296,10 +300,10 @@ TEST_CASE("the self-test tells pairs apart by more than the interval of one case
             result.total.clear();
             for (int i = 0; i < 8; ++i) result.total.push_back(100 + i + (&result == &results[1] ? shift : 0));
             result.roundSizes.assign(8, 1);
-            result.interval = medianInterval(result.total, result.roundSizes);
+            result.figures = figuresOf(result);
         }
         results[1].isAgain = true;
-        const bool overlap = results[1].interval->low <= results[0].interval->high;
+        const bool overlap = results[1].figures->interval.low <= results[0].figures->interval.high;
         return std::pair(overlap, resultsJson(context, results)["self_test"][0]["equal"].get<bool>());
     };
     CHECK(equalAt(0) == std::pair(true, true));
@@ -348,6 +352,12 @@ TEST_CASE("CSV: a line a case, quoted as RFC 4180 says") {
     CHECK(at(1, "scene") == "hero, \"the\" <b>&amp;");
     CHECK(at(1, "id") == "vk-ext/mesh/uc/scan/redirect");
     CHECK(at(1, "gpu_ms_median") == "3.0");
+    CHECK(at(1, "gpu_ms_interval_low") == "1.5");
+    CHECK(at(1, "gpu_ms_interval_high") == "6.5");
+    CHECK(at(1, "limit_ms") == "1.0");
+    CHECK(at(1, "joints") == "vertex");
+    CHECK(at(2, "joints") == "");
+    CHECK(at(3, "gpu_ms_interval_low") == "");
     CHECK(at(1, "memory_bytes_total") == "1024");
     CHECK(at(1, "reason") == "");
     CHECK(at(2, "builder") == "");
@@ -387,6 +397,33 @@ TEST_CASE("a result file is read back as it was written") {
     REQUIRE(loaded);
     CHECK(*loaded == json);
     CHECK(resultsCsv(*loaded) == resultsCsv(json));
+}
+
+TEST_CASE("a file of an older version is completed when it is read") {
+    const Json json = sample();
+    Json older = json;
+    older.erase("axes");
+    for (Json& device : older["devices"]) device.erase("routes");
+    for (Json& row : older["cases"]) {
+        row.erase("scenario");
+        row["options"].erase("meshlet_limits");
+    }
+    older["cases"][0]["id"] = json["cases"][0]["id"].get<std::string>() + "+again";
+    older["cases"][1]["id"] = "no such case";
+    const auto loaded = loadResults(fixture::writeText("older.json", older.dump()));
+    REQUIRE(loaded);
+    CHECK((*loaded)["axes"] == json["axes"]);
+    CHECK((*loaded)["devices"][0]["routes"] == Json{"vk", "vk-ext", "vk-nv"});
+    CHECK((*loaded)["devices"][1]["routes"] == json["devices"][1]["routes"]);
+    for (size_t i : {0, 2, 3, 4}) {
+        CHECK(nlohmann::json((*loaded)["cases"][i]["options"]) == nlohmann::json(json["cases"][i]["options"]));
+        CHECK((*loaded)["cases"][i]["scenario"] == json["cases"][i]["scenario"]);
+    }
+    CHECK((*loaded)["cases"][1]["options"] == older["cases"][1]["options"]);
+    CHECK(isSoftware(*loaded, (*loaded)["cases"][0]));
+    CHECK(!isSoftware(*loaded, (*loaded)["cases"][1]));
+    CHECK(!isSoftwareRoute(*loaded, "cpu"));
+    CHECK(!isSoftwareRoute(*loaded, "a route of tomorrow"));
 }
 
 TEST_CASE("what is no result file is told with its path") {
