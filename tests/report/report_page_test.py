@@ -168,6 +168,34 @@ def results(software=False):
                          "rounds": 2}, "warnings": ["the clock was <b>low</b>"], "noise_floor": 0.003, "cases": cases}
 
 
+def axis(name, values, **more):
+    return {"name": name, "option": "--" + name, "changes": "plan", "top_level": False, "usual": values[0],
+            "values": values, "beside": None, **more}
+
+
+def of_tomorrow():
+    """A file with an axis, an axis beside it, a route, a variant and a figure that this program does not know."""
+    content = results()
+    content["axes"] = [axis("route", ["vk", "new"], top_level=True, usual=None),
+                       axis("variant", ["vertex", "later"], top_level=True, usual=None),
+                       axis("warp_speed", ["slow", "fast"]), axis("fuel", ["oil", "gas"], beside="warp_speed")]
+    content["devices"] = [{"route_api": "novel", "name": "Card", "driver": "driver", "software": True,
+                           "routes": ["new"]}]
+    options = [{"warp_speed": "slow"}, {"warp_speed": "fast", "fuel": "oil"}, {"warp_speed": "fast", "fuel": "gas"}]
+    content["cases"] = [case("new", "later", "uc", 4 + i, id=f"new/later/uc+{i}", options=words,
+                             thrust={"mean": 1500.5 * i}) for i, words in enumerate(options)]
+    return content
+
+
+def holds(whole, part):
+    """Whether all of `part` is in `whole`."""
+    if isinstance(part, dict):
+        return isinstance(whole, dict) and all(key in whole and holds(whole[key], part[key]) for key in part)
+    if isinstance(part, list):
+        return isinstance(whole, list) and len(whole) == len(part) and all(map(holds, whole, part))
+    return whole == part
+
+
 def damaged():
     """A file whose values are of the wrong kinds where loading lets them through."""
     broken = results()
@@ -218,6 +246,10 @@ def use_one_file(browser, page, content):
     body = browser.value("document.body.innerText")
     for part in ("</script><img src=x onerror=alert(1)>", "\"off\" by <far> & more", "the clock was <b>low</b>"):
         check(part in body, f"the page tells {part}")
+    choices, routes = (browser.value(f"document.getElementById('{part}').textContent") for part in ("choices", "apis"))
+    check("codec: uc → oss (7)" in choices, "an older file's choices are compared")
+    check(all(pair in routes for pair in ("vk → gl (4)", "vk-ext → vk-nv (2)", "vk-nv → gl-nv (2)")) and
+          "vk-ext → gl-nv" not in routes, "routes are compared that differ in the API or the extension alone")
     identities = [row["id"] for row in content["cases"]]
     check(sorted(column(browser, "case")) == sorted(identities), "the table has every case")
 
@@ -249,8 +281,32 @@ def use_one_file(browser, page, content):
     browser.value("(() => { const make = URL.createObjectURL.bind(URL); "
                   "URL.createObjectURL = (blob) => { window.saved = blob; return make(blob); }; })()")
     browser.click("document.querySelector('button.download')")
-    check(json.loads(browser.value("window.saved.text()")) == content, "the JSON to download is the whole file")
+    saved = json.loads(browser.value("window.saved.text()"))
+    check(holds(saved, content), "the JSON to download is the whole file")
+    check("axes" in saved and saved["devices"][0]["routes"] == ["vk", "vk-ext", "vk-nv"],
+          "completed where it is of an older version")
     check(browser.complaints() == [], f"the console is silent: {browser.complaints()}")
+
+
+def use_file_of_tomorrow(browser, page):
+    with open(page) as file:
+        text = file.read()
+    start = text.index(">", text.index('id="tables"')) + 1
+    end = text.index("</script>", start)
+    tables = json.loads(text[start:end])
+    tables["columns"].append({"path": "thrust.mean", "per": "", "scale": 2, "form": "fixed", "digits": 1,
+                              "header": "thrust", "unit": "N", "group": "", "marked": True})
+    with open(page, "w") as file:
+        file.write(text[:start] + json.dumps(tables) + text[end:])
+    browser.open(page)
+    check(browser.complaints() == [], f"what is not known is no error: {browser.complaints()}")
+    choices = browser.value("document.getElementById('choices').textContent")
+    check("warp speed: slow → fast (2)" in choices, "an added axis is a choice, whatever the axis beside it is")
+    check("fuel: oil → gas (1)" in choices, "and so is that one")
+    check(column(browser, "thrust") == ["0.0*", "3,001.0*", "6,002.0*"], "an added column is in the table of all cases")
+    check(browser.value("document.querySelectorAll('#stages .swatch.v-1').length") > 0,
+          "a variant has the colour of its place in the table")
+    check("novel: driver" in browser.value("document.querySelector('header').textContent"), "an API is named as it is")
 
 
 def main():
@@ -264,6 +320,8 @@ def main():
     try:
         content = results()
         use_one_file(browser, make(skinbench, folder, "one", [content]), content)
+
+        use_file_of_tomorrow(browser, make(skinbench, folder, "tomorrow", [of_tomorrow()]))
 
         other = results(software=True)
         page = make(skinbench, folder, "two", [content, other, content])

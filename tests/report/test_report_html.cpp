@@ -108,11 +108,9 @@ TEST_CASE("text that is not UTF-8 is replaced, not an abort") {
 
 TEST_CASE("the page is whole and refers to nothing outside") {
     const std::string page = reportHtml({makeResults({makeCase("vk/vertex/uc", 2)})});
-    for (const char* place :
-         {"{{page.css}}", "{{d3}}", "{{D3_LICENSE}}", "{{model.js}}", "{{charts.js}}", "{{table.js}}",
-          "{{findings.js}}", "{{measured.js}}", "{{context.js}}", "{{page.js}}", "{{results}}"}) {
-        INFO(place);
-        CHECK(page.find(place) == std::string::npos);
+    for (const char* end : {".css}}", ".js}}", "{{d3}}", "{{D3_LICENSE}}", "{{results}}"}) {
+        INFO(end);
+        CHECK(page.find(end) == std::string::npos);
     }
     for (const char* part : {"scaleLinear()", "Copyright 2010-2023 Mike Bostock", "readFiles()",
                              "prefers-color-scheme: dark", "@media print", "default-src 'none'"})

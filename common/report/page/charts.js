@@ -12,6 +12,14 @@ function h(tag, attributes, ...children) {
     return element;
 }
 
+const tableOf = (attributes, headings, lines) =>
+    h("table", attributes, h("thead", {}, h("tr", {}, headings)), h("tbody", {}, lines));
+const heading = (words, kind = "") => h("th", {scope: "col", class: kind}, words);
+const numberHeading = (words, unit) => heading([words, h("small", {}, ` ${unit}`)].flat(), "n");
+// What may be wider than the page scrolls on its own.
+const region = (label, ...content) =>
+    h("div", {class: "wide", tabindex: "0", role: "region", "aria-label": label}, content);
+
 // May be broken behind its slashes and before its options.
 function caseName(id) {
     return h(
@@ -22,7 +30,11 @@ function caseName(id) {
 }
 
 // Class names that page.css gives a colour.
-const variantColour = (variant) => `v-${kVariants.includes(variant) ? variant : "other"}`;
+const kVariantColours = 8;
+function variantColour(variant) {
+    const place = valuesOf("variant").indexOf(variant);
+    return `v-${place >= 0 && place < kVariantColours ? place : "other"}`;
+}
 const kBuffers = ["vertex", "index", "meshlet", "additional_meshlet", "tuple", "palette", "skinned"];
 const kPasses = ["skin", "upload", "depth", "draw"];
 const kShapes = {
@@ -34,7 +46,7 @@ const kShapes = {
     cross: "M-2,-6H2V-2H6V2H2V6H-2V2H-6V-2H-2Z",
     bar: "M-2,-6H2V6H-2Z",
 };
-const routeShape = (route) => Object.values(kShapes)[Math.max(0, kRoutes.indexOf(route)) % 7];
+const routeShape = (route) => Object.values(kShapes)[Math.max(0, valuesOf("route").indexOf(route)) % 7];
 
 let chartNumber = 0;
 
@@ -89,26 +101,12 @@ function plainTable({head, rows}) {
     const isNumber = (value) => /^[-–\d.,e*×<>]*$/.test(value);
     const kinds = head.map((_, i) => (i > 0 && rows.every((row) => isNumber(row[i])) ? "n" : ""));
     const cell = (value, column) => h("td", {class: kinds[column]}, value);
-    return h(
-        "div",
-        {class: "wide", tabindex: "0", role: "region", "aria-label": "Table"},
-        h(
-            "table",
+    return region(
+        "Table",
+        tableOf(
             {},
-            h(
-                "thead",
-                {},
-                h(
-                    "tr",
-                    {},
-                    head.map((name, i) => h("th", {scope: "col", class: kinds[i]}, name)),
-                ),
-            ),
-            h(
-                "tbody",
-                {},
-                rows.map((row) => h("tr", {}, row.map(cell))),
-            ),
+            head.map((name, i) => heading(name, kinds[i])),
+            rows.map((row) => h("tr", {}, row.map(cell))),
         ),
     );
 }
@@ -428,7 +426,7 @@ function sampleStrip(gpu, label) {
             .attr("y2", height - 4);
     }
     gpu.samples.forEach((sample, i) =>
-        svg.append("circle").attr("class", "dot v-vertex").attr("r", 2).attr("cx", x(i)).attr("cy", y(sample)),
+        svg.append("circle").attr("class", "dot").attr("r", 2).attr("cx", x(i)).attr("cy", y(sample)),
     );
     return svg.node();
 }

@@ -7,57 +7,28 @@ function notRun() {
     const groups = [...groupBy(rows, (row) => `${row.status}\n${row.reason}`).values()].sort(
         (a, b) => (a[0].status > b[0].status) - (a[0].status < b[0].status),
     );
-    return h(
-        "div",
-        {class: "wide"},
+    const line = (group) =>
         h(
-            "table",
+            "tr",
             {},
+            h("td", {class: group[0].status === "failed" ? "failed" : ""}, group[0].status),
+            h("td", {class: "why"}, group[0].reason || "no reason recorded"),
             h(
-                "thead",
-                {},
+                "td",
+                {class: "why"},
                 h(
-                    "tr",
-                    {},
-                    ["status", "reason", "cases"].map((name) => h("th", {scope: "col"}, name)),
+                    "details",
+                    {open: group.length <= 6},
+                    h("summary", {}, `${group.length} ${group.length === 1 ? "case" : "cases"}`),
+                    h("ul", {class: "ids"}, group.map(caseItem)),
                 ),
             ),
-            h(
-                "tbody",
-                {},
-                groups.map((group) =>
-                    h(
-                        "tr",
-                        {},
-                        h("td", {class: group[0].status === "failed" ? "failed" : ""}, group[0].status),
-                        h("td", {class: "why"}, group[0].reason || "no reason recorded"),
-                        h(
-                            "td",
-                            {class: "why"},
-                            h(
-                                "details",
-                                {open: group.length <= 6},
-                                h("summary", {}, `${group.length} ${group.length === 1 ? "case" : "cases"}`),
-                                h(
-                                    "ul",
-                                    {class: "ids"},
-                                    group.map((row) =>
-                                        h(
-                                            "li",
-                                            {},
-                                            h("code", {}, row.id),
-                                            files.length > 1 ? ` (${row.file.label})` : "",
-                                        ),
-                                    ),
-                                ),
-                            ),
-                        ),
-                    ),
-                ),
-            ),
-        ),
-    );
+        );
+    const headings = ["status", "reason", "cases"].map((name) => heading(name));
+    return h("div", {class: "wide"}, tableOf({}, headings, groups.map(line)));
 }
+
+const caseItem = (row) => h("li", {}, h("code", {}, row.id), files.length > 1 ? ` (${row.file.label})` : "");
 
 const valueText = (value) =>
     value === null || value === undefined
@@ -91,7 +62,7 @@ function contextOf(file) {
         if (copy) shown.push(["peak copy, GB/s", (copy / 1e9).toFixed(1) + (file.devices[i].software ? "*" : "")]);
         if (triangles)
             shown.push(["peak triangles, 10⁹/s", (triangles / 1e9).toFixed(3) + (file.devices[i].software ? "*" : "")]);
-        return column(api === "vulkan" ? "Vulkan" : "OpenGL", shown);
+        return column(apiName(text(api)), shown);
     });
     parts.push(
         h(
@@ -125,8 +96,7 @@ function contextOf(file) {
             environment,
         ),
     );
-    const mark = (id) =>
-        file.devices.some((d) => d.software && d.api === (text(id).startsWith("vk") ? "vulkan" : "opengl")) ? "*" : "";
+    const mark = (id) => (onSoftware(file, text(id).split("/")[0]) ? "*" : "");
     parts.push(
         ...simple(
             "Limits",
@@ -136,7 +106,7 @@ function contextOf(file) {
                 return [
                     text(limit.id),
                     text(limit.status),
-                    times ? msText(times.median) + mark(limit.route ?? limit.id) : kAbsent,
+                    times ? msText(times.median) + mark(limit.id) : kAbsent,
                     text(limit.reason) || kAbsent,
                 ];
             }),

@@ -2,9 +2,11 @@
 # usage: cmake -D OUT=report_page.cpp -D "D3=a.min.js;b.min.js" -P embed.cmake
 set(folder ${CMAKE_CURRENT_LIST_DIR})
 file(READ ${folder}/page.html page)
-foreach(name page.css D3_LICENSE model.js charts.js table.js findings.js measured.js context.js page.js)
+string(REGEX MATCHALL "{{[a-z]+[.](css|js)}}|{{D3_LICENSE}}" places "${page}")
+foreach(place ${places})
+    string(REGEX REPLACE "[{}]" "" name ${place})
     file(READ ${folder}/${name} text)
-    string(REPLACE "{{${name}}}" "${text}" page "${page}")
+    string(REPLACE ${place} "${text}" page "${page}")
 endforeach()
 set(scripts "")
 foreach(file ${D3})

@@ -67,9 +67,7 @@ function pageHead(host) {
         ? `${one.sceneName} on ${one.device}`
         : `${several(scenes, "scenes")} on ${several(devices, "devices")}`;
     document.title = `${title} – skinbench`;
-    const drivers = unique(
-        files.flatMap((file) => file.devices.map((d) => `${d.api === "vulkan" ? "Vulkan" : "OpenGL"}: ${d.driver}`)),
-    );
+    const drivers = unique(files.flatMap((file) => file.devices.map((d) => `${apiName(d.api)}: ${d.driver}`)));
     host.append(
         h("p", {class: "brand"}, "skinbench report"),
         h("h1", {}, title),
@@ -92,9 +90,7 @@ function pageHead(host) {
     );
     const software = unique(
         files.flatMap((file) =>
-            file.devices
-                .filter((d) => d.software)
-                .map((d) => `${d.name} (${d.api === "vulkan" ? "Vulkan" : "OpenGL"})`),
+            file.devices.filter((d) => d.software).map((d) => `${d.name} (${apiName(d.api)})`),
         ),
     );
     if (software.length)
@@ -121,7 +117,7 @@ function pageHead(host) {
 }
 
 function works(file) {
-    const order = byOrder(kRasters);
+    const order = byAxis("raster");
     return unique(file.timed.map((row) => row.work)).sort(
         (a, b) => order(a.split(",")[0], b.split(",")[0]) || (a < b ? -1 : 1),
     );
@@ -135,93 +131,68 @@ function findingsTable() {
             .flatMap((file) => file.timed)
             .filter(skins)
             .map((row) => row.variant),
-    ).sort(byOrder(kVariants));
-    const rows = [];
-    for (const file of files)
-        for (const work of works(file)) {
-            const rivals = file.timed.filter((row) => row.work === work && skins(row));
-            const best = fastest(rivals);
-            if (!best) continue;
-            const others = rivals.filter(
-                (row) => row !== best && (row.variant !== best.variant || row.route !== best.route),
-            );
-            const next = fastest(others),
-                vertex = fastest(rivals.filter((row) => row.variant === "vertex"));
-            rows.push(
-                h(
-                    "tr",
-                    {},
-                    h(
-                        "th",
-                        {scope: "row"},
-                        files.length > 1 ? file.label : file.sceneName,
-                        h("small", {}, `${files.length > 1 ? `${file.device}, ` : ""}${work}`),
-                    ),
-                    h(
-                        "td",
-                        {class: "why"},
-                        caseName(withoutWork(best)),
-                        h("small", {}, next ? leadText(best, next) : "the only one"),
-                    ),
-                    h(
-                        "td",
-                        {class: "n"},
-                        vertex && vertex !== best
-                            ? ratioOf(best, vertex).ratio.toFixed(3) + markOf(best, vertex)
-                            : kAbsent,
-                    ),
-                    variants.map((variant) => {
-                        const row = fastest(rivals.filter((rival) => rival.variant === variant));
-                        return h(
-                            "td",
-                            {
-                                class: `n ${row && row.variant === best.variant && !best.software ? "best" : ""}`,
-                                title: row ? row.id : null,
-                            },
-                            row ? msCell(row) : kAbsent,
-                            h("small", {}, row ? row.route : ""),
-                        );
-                    }),
-                ),
-            );
-        }
-    if (!rows.length) return null;
+    ).sort(byAxis("variant"));
+    const lines = files
+        .flatMap((file) => works(file).map((work) => findingsLine(file, work, variants)))
+        .filter(Boolean);
+    if (!lines.length) return null;
+    const headings = [
+        heading("scene and work"),
+        heading("fastest case"),
+        numberHeading("of vertex", "×"),
+        variants.map((variant) => numberHeading([swatch(variant), variant], "ms")),
+    ].flat();
+    return region("Fastest paths", tableOf({class: "findings"}, headings, lines));
+}
+
+const swatch = (variant) => h("span", {class: `swatch ${variantColour(variant)}`});
+
+function findingsLine(file, work, variants) {
+    const rivals = file.timed.filter((row) => row.work === work && skins(row));
+    const best = fastest(rivals);
+    if (!best) return null;
+    const others = rivals.filter((row) => row.variant !== best.variant || row.route !== best.route);
+    const next = fastest(others),
+        vertex = fastest(rivals.filter((row) => row.variant === "vertex"));
+    const cell = (variant) => {
+        const row = fastest(rivals.filter((rival) => rival.variant === variant));
+        const leads = row && variant === best.variant && !best.software;
+        return h(
+            "td",
+            {class: `n ${leads ? "best" : ""}`, title: row ? row.id : null},
+            row ? msCell(row) : kAbsent,
+            h("small", {}, row ? row.route : ""),
+        );
+    };
     return h(
-        "div",
-        {class: "wide", tabindex: "0", role: "region", "aria-label": "Fastest paths"},
+        "tr",
+        {},
         h(
-            "table",
-            {class: "findings"},
-            h(
-                "thead",
-                {},
-                h(
-                    "tr",
-                    {},
-                    h("th", {scope: "col"}, "scene and work"),
-                    h("th", {scope: "col"}, "fastest case"),
-                    h("th", {scope: "col", class: "n"}, "of vertex", h("small", {}, " ×")),
-                    variants.map((variant) =>
-                        h(
-                            "th",
-                            {scope: "col", class: "n"},
-                            h("span", {class: `swatch ${variantColour(variant)}`}),
-                            variant,
-                            h("small", {}, " ms"),
-                        ),
-                    ),
-                ),
-            ),
-            h("tbody", {}, rows),
+            "th",
+            {scope: "row"},
+            files.length > 1 ? file.label : file.sceneName,
+            h("small", {}, `${files.length > 1 ? `${file.device}, ` : ""}${work}`),
         ),
+        h(
+            "td",
+            {class: "why"},
+            caseName(withoutWork(best)),
+            h("small", {}, next ? leadText(best, next) : "the only one"),
+        ),
+        h(
+            "td",
+            {class: "n"},
+            vertex && vertex !== best ? ratioOf(best, vertex).ratio.toFixed(3) + markOf(best, vertex) : kAbsent,
+        ),
+        variants.map(cell),
     );
 }
 
 // Fastest case of a stage on a route, with its ratio to a baseline that the reader chooses.
 function stageMatrix(rows) {
-    const routes = unique(rows.map((row) => row.route)).sort(byOrder(kRoutes));
+    const routes = unique(rows.map((row) => row.route)).sort(byAxis("route"));
     const stages = unique(rows.map((row) => row.stage)).sort(
-        (a, b) => byOrder(kVariants)(a.split(",")[0], b.split(",")[0]) || (a < b ? -1 : 1),
+        (a, b) => byAxis("variant")(a.split(",")[0], b.split(",")[0]) || (a < b ? -1 : 1),
     );
     const cells = stages.map((stage) =>
         routes.map((route) =>
@@ -232,62 +203,25 @@ function stageMatrix(rows) {
     if (!found.length) return [];
     const longest = Math.max(...found.map((row) => row.gpu.median)),
         least = fastest(found.filter(skins));
-    const host = h("div", {class: "wide", tabindex: "0", role: "region", "aria-label": "Stages by route"});
+    const host = region("Stages by route");
     let base = found.find((row) => row.stage === "vertex, attributes") || found.find(skins) || found[0];
-    const draw = () =>
-        host.replaceChildren(
-            h(
-                "table",
-                {class: "matrix"},
-                h(
-                    "thead",
-                    {},
-                    h(
-                        "tr",
-                        {},
-                        h("th", {scope: "col"}, "stage"),
-                        routes.map((route) => h("th", {scope: "col", class: "n"}, route, h("small", {}, " ms"))),
-                    ),
-                ),
-                h(
-                    "tbody",
-                    {},
-                    cells.map((line, i) =>
-                        h(
-                            "tr",
-                            {},
-                            h(
-                                "th",
-                                {scope: "row"},
-                                h("span", {class: `swatch ${variantColour(stages[i].split(",")[0])}`}),
-                                stages[i],
-                            ),
-                            line.map((row) =>
-                                row
-                                    ? h(
-                                          "td",
-                                          {class: `n ${row === least && !row.software ? "best" : ""}`, title: row.id},
-                                          h("span", {
-                                              class: `cell-bar ${variantColour(row.variant)}${row.software ? " software" : ""}`,
-                                              style: `width:${((row.gpu.median / longest) * 100).toFixed(1)}%`,
-                                              "aria-hidden": "true",
-                                          }),
-                                          msCell(row),
-                                          h(
-                                              "small",
-                                              {},
-                                              row === base
-                                                  ? "baseline"
-                                                  : `${ratioOf(row, base).ratio.toFixed(3)} ×${markOf(row, base)}`,
-                                          ),
-                                      )
-                                    : h("td", {class: "n"}, kAbsent),
-                            ),
-                        ),
-                    ),
-                ),
-            ),
+    const cell = (row) => {
+        if (!row) return h("td", {class: "n"}, kAbsent);
+        const bar = `cell-bar ${variantColour(row.variant)}${row.software ? " software" : ""}`,
+            width = `width:${((row.gpu.median / longest) * 100).toFixed(1)}%`,
+            ratio = row === base ? "baseline" : `${ratioOf(row, base).ratio.toFixed(3)} ×${markOf(row, base)}`;
+        return h(
+            "td",
+            {class: `n ${row === least && !row.software ? "best" : ""}`, title: row.id},
+            h("span", {class: bar, style: width, "aria-hidden": "true"}),
+            msCell(row),
+            h("small", {}, ratio),
         );
+    };
+    const line = (row, i) =>
+        h("tr", {}, h("th", {scope: "row"}, swatch(stages[i].split(",")[0]), stages[i]), row.map(cell));
+    const headings = [heading("stage"), ...routes.map((route) => numberHeading(route, "ms"))];
+    const draw = () => host.replaceChildren(tableOf({class: "matrix"}, headings, cells.map(line)));
     draw();
     const choice = h(
         "label",

@@ -6,12 +6,12 @@ const withoutWork = (row) => row.id.replace(`+${row.raster}`, "");
 const tailOf = (row) => withoutWork(row).slice(row.id.indexOf("/") + 1);
 const variantLegend = (rows) =>
     unique(rows.map((row) => row.variant))
-        .sort(byOrder(kVariants))
+        .sort(byAxis("variant"))
         .map((name) => ({name, colour: variantColour(name)}));
 
 function routeBars(rows, where) {
     const lines = [];
-    for (const route of unique(rows.map((row) => row.route)).sort(byOrder(kRoutes))) {
+    for (const route of unique(rows.map((row) => row.route)).sort(byAxis("route"))) {
         lines.push({heading: true, label: route, value: ""});
         for (const row of rows.filter((other) => other.route === route).sort((a, b) => a.gpu.median - b.gpu.median))
             lines.push({
@@ -130,7 +130,7 @@ function choiceChart(rows, where) {
 function codecChart(rows, where) {
     const points = rows.filter((row) => row.memory && number(row.memory.total) !== null && row.variant !== "none");
     if (unique(points.map((row) => row.codec)).length < 2) return null;
-    const routes = unique(points.map((row) => row.route)).sort(byOrder(kRoutes));
+    const routes = unique(points.map((row) => row.route)).sort(byAxis("route"));
     return scatterChart({
         title: "What a codec costs: memory against time",
         xLabel: "memory of one copy, KiB",

@@ -10,9 +10,8 @@ const numbers = (value) => list(value).filter((entry) => number(entry) !== null)
 const text = (value) =>
     typeof value === "string" ? value : value === null || value === undefined ? "" : JSON.stringify(value);
 
-const kVariants = ["none", "vertex", "palette", "compute", "mesh", "mesh-ci", "cpu"];
-const kRoutes = ["vk", "gl", "vk-ext", "vk-nv", "gl-nv", "gl-ext", "cpu"];
-const kRasters = ["full", "no-fragments", "discard"];
+// What the program that made this page knows of every file: the routes, and the columns of the table of all cases.
+const tables = JSON.parse(document.getElementById("tables").textContent);
 
 // Known names first, in their order, others behind them.
 function byOrder(order) {
@@ -21,6 +20,11 @@ function byOrder(order) {
 }
 
 const unique = (values) => [...new Set(values)];
+
+// The values of an axis in the order of its table, of all files together.
+const valuesOf = (axis) =>
+    unique(files.flatMap((file) => file.axes.filter(({name}) => name === axis).flatMap(({values}) => values)));
+const byAxis = (axis) => byOrder(valuesOf(axis));
 
 function groupBy(values, key) {
     const groups = new Map();
@@ -47,38 +51,47 @@ function readInterval(value) {
 function readTimes(value) {
     const times = object(value);
     if (number(times.median) === null) return null;
-    const drift = object(times.drift);
     return {
         median: times.median,
-        mean: number(times.mean),
-        min: number(times.min),
-        max: number(times.max),
-        cv: number(times.cv),
-        p95: number(times.p95),
         interval: readInterval(times.interval),
-        outliers: number(times.outliers),
-        drift: number(drift.relative),
-        driftP: number(drift.p),
+        driftP: number(object(times.drift).p),
         samples: numbers(times.samples),
         roundSizes: numbers(times.round_sizes),
     };
 }
 
+function readAxis(raw) {
+    const axis = object(raw);
+    return {
+        name: text(axis.name),
+        topLevel: axis.top_level === true,
+        usual: text(axis.usual),
+        values: list(axis.values).map(text),
+        beside: text(axis.beside),
+    };
+}
+
+const onSoftware = (file, route) => file.devices.some((device) => device.software && device.routes.includes(route));
+const apiName = (api) => tables.routes.find((route) => route.api === api)?.api_name || api;
+
+const readOptions = (value) =>
+    Object.fromEntries(Object.entries(object(value)).map(([name, word]) => [name, text(word)]));
+
 function readCase(raw, file) {
-    const row = object(raw);
-    const options = {};
-    for (const [name, value] of Object.entries(object(row.options))) options[name] = text(value);
-    const api = text(row.route).startsWith("vk") ? "vulkan" : text(row.route).startsWith("gl") ? "opengl" : "";
+    const row = object(raw),
+        options = readOptions(row.options),
+        route = text(row.route);
     const result = {
         file,
+        raw: row,
         options,
+        axes: Object.fromEntries(
+            file.axes.map(({name, topLevel}) => [name, topLevel ? text(row[name]) : options[name] || ""]),
+        ),
         id: text(row.id),
-        route: text(row.route),
+        route,
         variant: text(row.variant),
         codec: text(row.codec),
-        builder: text(row.builder),
-        layout: text(row.layout),
-        cull: text(row.cull),
         scenario: text(row.scenario),
         raster: text(row.raster),
         status: text(row.status),
@@ -87,14 +100,11 @@ function readCase(raw, file) {
         passes: readNumbers(row.passes_ms),
         limit: number(row.limit_ms),
         limitId: text(row.limit_id),
-        achieved: readNumbers(row.achieved),
         unserialised: readTimes(row.unserialised_ms),
-        host: readNumbers(row.host_ms),
         counters: readNumbers(row.counters),
-        meshlets: number(row.meshlets),
         memory: isObject(row.memory_bytes) ? readNumbers(row.memory_bytes) : null,
         accuracy: object(row.accuracy),
-        software: file.devices.some((device) => device.api === api && device.software),
+        software: onSoftware(file, route),
     };
     result.fetch = options.vertex_fetch || "";
     result.stage = result.fetch
@@ -132,6 +142,7 @@ function readFile(element) {
         environment: object(raw.environment),
         limits: list(raw.limits).map(object),
         calibrations: list(raw.calibrations).map(object),
+        axes: list(raw.axes).map(readAxis),
         devices: list(raw.devices)
             .map(object)
             .map((device) => ({
@@ -140,6 +151,7 @@ function readFile(element) {
                 driver: text(device.driver),
                 version: text(device.version),
                 software: device.software === true,
+                routes: list(device.routes).map(text),
                 peak: readNumbers(device.peak),
             })),
     };
@@ -171,83 +183,47 @@ function ratioOf(row, base) {
     return {ratio, interval: a && b && b[0] > 0 ? [a[0] / b[1], a[1] / b[0]] : null};
 }
 
-const kRoutePairs = [
-    ["vk", "gl"],
-    ["vk-ext", "vk-nv"],
-    ["vk-ext", "gl-ext"],
-    ["vk-nv", "gl-nv"],
-    ["gl-ext", "gl-nv"],
-];
-
-// The same variant, codec, builder, layout and options on two routes.
+// The same variant, codec, builder, layout and options on two routes that differ in the API or the extension alone.
 function routePairs(rows) {
     const tail = (row) => row.id.slice(row.id.indexOf("/"));
+    const drawn = tables.routes.filter(({name}) =>
+        rows.some((row) => row.file.devices.some((device) => device.routes.includes(name))),
+    );
     const found = [];
-    for (const [from, to] of kRoutePairs) {
-        const bases = new Map(rows.filter((row) => row.route === from).map((row) => [tail(row), row]));
-        const pairs = rows
-            .filter((row) => row.route === to && bases.has(tail(row)))
-            .map((row) => ({base: bases.get(tail(row)), row, label: tail(row).slice(1)}));
-        if (pairs.length) found.push({from, to, pairs});
-    }
+    for (const [i, from] of drawn.entries())
+        for (const to of drawn.slice(i + 1)) {
+            if ((from.api === to.api) === (from.dialect === to.dialect)) continue;
+            const bases = new Map(rows.filter((row) => row.route === from.name).map((row) => [tail(row), row]));
+            const pairs = rows
+                .filter((row) => row.route === to.name && bases.has(tail(row)))
+                .map((row) => ({base: bases.get(tail(row)), row, label: tail(row).slice(1)}));
+            if (pairs.length) found.push({from: from.name, to: to.name, pairs});
+        }
     return found;
 }
 
-// What may be changed alone: its value in a case, the value it is compared with, and options that only exist beside
-// some of its values.
-const option = (name) => (row) => row.options[name];
-const kChoices = [
-    {name: "codec", base: "uc", value: (row) => row.codec},
-    {name: "vertex fetch", base: "attributes", value: option("vertex_fetch"), without: ["vertex_fetch"]},
-    {name: "culling", base: "off", value: (row) => row.cull, without: ["exchange"]},
-    {name: "records", base: "indexed", value: option("records"), without: ["records"]},
-    {name: "palette", base: "storage", value: option("palette"), without: ["palette"]},
-    {name: "joints", base: "vertex", value: option("joints"), without: ["joints"]},
-    {name: "loads", base: "guarded", value: option("loads"), without: ["loads"]},
-    {name: "layout", base: "redirect", value: (row) => row.layout},
-    {name: "builder", base: "meshopt", value: (row) => row.builder},
-    {
-        name: "meshlet limits",
-        base: "64/124",
-        without: ["meshlet_vertices", "meshlet_triangles"],
-        value: (row) =>
-            row.options.meshlet_vertices && `${row.options.meshlet_vertices}/${row.options.meshlet_triangles}`,
-    },
-    {name: "group size", base: "32", value: option("group_size"), without: ["group_size"]},
-    {name: "index writes", base: "packed", value: option("index_writes"), without: ["index_writes"]},
-    {name: "submission", base: "per-copy", value: option("submission"), without: ["submission"]},
-    {name: "compute options", base: "plain", value: option("compute"), without: ["compute"]},
-    {name: "palette slots", base: "32", value: option("palette_slots"), without: ["palette_slots"]},
-];
-
+// Cases of one file that are equal but for one axis, one of them with its usual value. An axis that only means
+// something beside some values of that one may differ too.
 function choicePairs(rows) {
-    const found = [];
-    for (const choice of kChoices) {
-        const rest = (row) => {
-            const options = Object.entries(row.options).filter(([name]) => !(choice.without || []).includes(name));
-            const fixed = [row.route, row.variant, row.raster, row.scenario];
-            for (const [name, value] of [
-                ["codec", row.codec],
-                ["culling", row.cull],
-                ["layout", row.layout],
-                ["builder", row.builder],
-            ])
-                fixed.push(choice.name === name ? "" : value);
-            return JSON.stringify([fixed, options.sort()]);
-        };
-        const pairs = new Map(),
-            having = rows.filter((row) => choice.value(row));
-        if (unique(having.map(choice.value)).length < 2) continue;
+    const axes = rows.length ? rows[0].file.axes : [],
+        found = [];
+    for (const axis of axes) {
+        const value = (row) => row.axes[axis.name],
+            having = rows.filter(value);
+        if (!axis.usual || unique(having.map(value)).length < 2) continue;
+        const others = axes.filter((other) => other !== axis && other.beside !== axis.name);
+        const rest = (row) => JSON.stringify(others.map(({name}) => row.axes[name]));
+        const pairs = new Map();
         for (const group of groupBy(having, rest).values()) {
-            const base = fastest(group.filter((row) => choice.value(row) === choice.base));
+            const base = fastest(group.filter((row) => value(row) === axis.usual));
             if (!base) continue;
-            for (const row of group.filter((other) => choice.value(other) !== choice.base)) {
-                const to = choice.value(row);
-                if (!pairs.has(to)) pairs.set(to, []);
-                pairs.get(to).push({base, row, label: row.id});
+            for (const row of group.filter((other) => value(other) !== axis.usual)) {
+                if (!pairs.has(value(row))) pairs.set(value(row), []);
+                pairs.get(value(row)).push({base, row, label: row.id});
             }
         }
-        for (const [to, entries] of pairs) found.push({name: choice.name, from: choice.base, to, pairs: entries});
+        for (const to of [...pairs.keys()].sort(byOrder(axis.values)))
+            found.push({name: axis.name.replaceAll("_", " "), from: axis.usual, to, pairs: pairs.get(to)});
     }
     return found;
 }
@@ -262,12 +238,16 @@ function medianOf(values) {
 
 const kAbsent = "–";
 const fixed = (value, digits) => (value === null || value === undefined ? kAbsent : value.toFixed(digits));
-const kWhole = new Intl.NumberFormat("en-GB"),
-    kTenths = new Intl.NumberFormat("en-GB", {minimumFractionDigits: 1, maximumFractionDigits: 1});
-const grouped = (value) => (number(value) === null ? kAbsent : kWhole.format(value));
+const kGrouped = new Intl.NumberFormat("en-GB");
+const kDecimals = [0, 1, 2, 3, 4].map(
+    (digits) => new Intl.NumberFormat("en-GB", {minimumFractionDigits: digits, maximumFractionDigits: digits}),
+);
+const grouped = (value) => (number(value) === null ? kAbsent : kGrouped.format(value));
+const decimals = (value, digits) => (number(value) === null ? kAbsent : kDecimals[Math.min(digits, 4)].format(value));
 const msText = (value) => fixed(value, value !== null && value < 0.1 ? 4 : value >= 100 ? 2 : 3);
 const percentText = (value, digits = 2) => (value === null ? kAbsent : (value * 100).toFixed(digits));
-const kibText = (value) => (number(value) === null ? kAbsent : kTenths.format(value / 1024));
-const scientific = (value) => (number(value) === null ? kAbsent : value === 0 ? "0" : value.toExponential(1));
+const kibText = (value) => (number(value) === null ? kAbsent : decimals(value / 1024, 1));
+const scientific = (value, digits = 1) =>
+    number(value) === null ? kAbsent : value === 0 ? "0" : value.toExponential(digits);
 // Times of software drivers carry this mark wherever they are printed.
 const markOf = (...rows) => (rows.some((row) => row.software) ? "*" : "");

@@ -1,120 +1,45 @@
 "use strict";
 // The table of all cases: sorted by its headings, filtered, with the whole record of a case below its row.
 
+const intervalText = ([low, high]) => `${msText(low)}–${msText(high)}`;
+const valueAt = (row, path) => path.split(".").reduce((holder, key) => object(holder)[key], row.raw);
+
+// An interval counts by its width.
+function numberAt(row, path) {
+    const ends = readInterval(valueAt(row, path));
+    return ends ? ends[1] - ends[0] : number(valueAt(row, path));
+}
+
+// A row of the program's table of columns; common/report/columns.h says what its values mean.
+function tableColumn({path, per, scale, form, digits, header, unit, group, marked}) {
+    const value = (row) => {
+        const own = numberAt(row, path),
+            by = per ? numberAt(row, per) : 1;
+        return own === null || !(by > 0) ? null : (own / by) * scale;
+    };
+    const printed = {
+        fixed: (row) => decimals(value(row), digits),
+        milliseconds: (row) => msText(value(row)),
+        scientific: (row) => scientific(value(row), digits),
+        ends: (row) => intervalText(readInterval(valueAt(row, path))),
+    }[form];
+    return {
+        name: header,
+        unit,
+        more: group,
+        value,
+        text: (row) => (value(row) === null ? null : printed(row) + (marked ? markOf(row) : "")),
+    };
+}
+
 const kTableColumns = [
     {name: "case", text: (row) => row.id, words: true},
     {name: "file", text: (row) => row.file.label, words: true},
-    {
-        name: "median",
-        unit: "ms",
-        value: (row) => row.gpu?.median,
-        text: (row) => row.gpu && msText(row.gpu.median) + markOf(row),
-    },
-    {
-        name: "95 % interval",
-        unit: "ms",
-        value: (row) => row.gpu?.interval && row.gpu.interval[1] - row.gpu.interval[0],
-        text: (row) => row.gpu?.interval && intervalText(row.gpu.interval) + markOf(row),
-    },
-    {name: "cv", unit: "%", value: (row) => row.gpu?.cv, text: (row) => row.gpu && percentText(row.gpu.cv)},
-    {name: "× limit", value: (row) => row.gpu && row.limit && row.gpu.median / row.limit, digits: 3, marked: true},
-    {name: "skin", unit: "ms", value: (row) => row.passes.skin, digits: 3, marked: true},
-    {name: "depth", unit: "ms", value: (row) => row.passes.depth, digits: 3, marked: true},
-    {name: "draw", unit: "ms", value: (row) => row.passes.draw, digits: 3, marked: true},
-    {
-        name: "memory",
-        unit: "KiB a copy",
-        value: (row) => row.memory?.total,
-        text: (row) => row.memory && kibText(row.memory.total),
-    },
-    {
-        name: "position error",
-        value: (row) => row.accuracy.max_position_error,
-        text: (row) => scientific(row.accuracy.max_position_error),
-    },
-    {name: "min", unit: "ms", value: (row) => row.gpu?.min, digits: 3, marked: true, more: "spread"},
-    {name: "p95", unit: "ms", value: (row) => row.gpu?.p95, digits: 3, marked: true, more: "spread"},
-    {name: "max", unit: "ms", value: (row) => row.gpu?.max, digits: 3, marked: true, more: "spread"},
-    {
-        name: "drift",
-        unit: "%",
-        value: (row) => row.gpu?.drift,
-        text: (row) => row.gpu && percentText(row.gpu.drift),
-        more: "spread",
-    },
-    {name: "outliers", value: (row) => row.gpu?.outliers, digits: 0, more: "spread"},
-    {name: "upload", unit: "ms", value: (row) => row.passes.upload, digits: 3, marked: true, more: "passes"},
-    {
-        name: "without barriers",
-        unit: "ms",
-        value: (row) => row.unserialised?.median,
-        digits: 3,
-        marked: true,
-        more: "passes",
-    },
-    {name: "record", unit: "ms host", value: (row) => row.host.record, digits: 3, more: "host"},
-    {name: "submit", unit: "ms host", value: (row) => row.host.submit, digits: 4, more: "host"},
-    {
-        name: "read",
-        unit: "GB/s",
-        value: (row) => perBillion(row.achieved.bytes_per_s),
-        digits: 1,
-        marked: true,
-        more: "rates",
-    },
-    {
-        name: "triangles",
-        unit: "10⁹/s",
-        value: (row) => perBillion(row.achieved.triangles_per_s),
-        digits: 3,
-        marked: true,
-        more: "rates",
-    },
-    {
-        name: "meshlets",
-        value: (row) => row.meshlets,
-        text: (row) => (row.meshlets === null ? null : grouped(row.meshlets)),
-        more: "meshlets",
-    },
-    {
-        name: "normal error",
-        unit: "rad",
-        value: (row) => row.accuracy.max_normal_error,
-        text: (row) => scientific(row.accuracy.max_normal_error),
-        more: "accuracy",
-    },
-    {
-        name: "codec position error",
-        value: (row) => row.accuracy.codec_position_error,
-        text: (row) => scientific(row.accuracy.codec_position_error),
-        more: "accuracy",
-    },
-    ...[
-        "input_vertices",
-        "vertex_invocations",
-        "clipping_primitives",
-        "fragment_invocations",
-        "compute_invocations",
-        "task_invocations",
-        "mesh_invocations",
-        "mesh_primitives",
-    ].map((name) => ({
-        name: name.replace("_", " "),
-        value: (row) => row.counters[name],
-        text: (row) => grouped(row.counters[name]),
-        more: "counters",
-    })),
+    ...tables.columns.map(tableColumn),
     {name: "status", text: (row) => (row.reason ? `${row.status}: ${row.reason}` : row.status), words: true},
 ];
 
-const perBillion = (value) => (number(value) === null ? null : value / 1e9);
-const intervalText = ([low, high]) => `${msText(low)}–${msText(high)}`;
-
-function cellText(column, row) {
-    if (column.text) return column.text(row) || kAbsent;
-    const value = number(column.value(row));
-    return value === null ? kAbsent : value.toFixed(column.digits) + (column.marked ? markOf(row) : "");
-}
+const cellText = (column, row) => column.text(row) || kAbsent;
 
 // Absent values stand last in both directions.
 function sorted(rows, column, descending) {
