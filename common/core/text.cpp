@@ -1,11 +1,14 @@
 #include "common/core/text.h"
 
+#include <algorithm>
 #include <charconv>
 #include <cstdint>
 #include <format>
 #include <vector>
 
 #include <nlohmann/json.hpp>
+
+#include "common/core/utf8.h"
 
 namespace skinbench {
 namespace {
@@ -17,24 +20,15 @@ struct Character {
     std::string_view bytes;  // as they were, or kReplacement
 };
 
-// Cuts the first character off `text`. Overlong forms, surrogates and codes above U+10FFFF are no UTF-8.
+// Cuts the first character off `text`; a byte that belongs to none is cut off alone.
 Character takeCharacter(std::string_view& text) {
-    const auto lead = static_cast<uint8_t>(text.front());
-    const size_t length = lead < 0x80 ? 1 : lead >= 0xF0 ? 4 : lead >= 0xE0 ? 3 : 2;
-    uint32_t code = length == 1 ? lead : lead & (0x7Fu >> length);
-    bool right = lead < 0x80 || (lead >= 0xC2 && lead <= 0xF4);
-    size_t taken = 1;
-    for (; right && taken < length; ++taken) {
-        const uint8_t next = taken < text.size() ? static_cast<uint8_t>(text[taken]) : 0;
-        if ((next & 0xC0) != 0x80) break;
-        code = code << 6 | (next & 0x3F);
-    }
-    constexpr uint32_t kSmallest[] = {0, 0, 0x80, 0x800, 0x10000};
-    right =
-        right && taken == length && code >= kSmallest[length] && code <= 0x10FFFF && (code < 0xD800 || code > 0xDFFF);
-    const std::string_view bytes = text.substr(0, taken);
-    text.remove_prefix(taken);
-    return right ? Character{code, bytes} : Character{0xFFFD, kReplacement};
+    const size_t length = utf8Length(text);
+    const std::string_view bytes = text.substr(0, std::max<size_t>(length, 1));
+    text.remove_prefix(bytes.size());
+    if (length == 0) return {0xFFFD, kReplacement};
+    uint32_t code = static_cast<uint8_t>(bytes.front()) & (length == 1 ? 0x7Fu : 0x7Fu >> length);
+    for (const char next : bytes.substr(1)) code = code << 6 | (static_cast<uint8_t>(next) & 0x3F);
+    return {code, bytes};
 }
 
 template <class Visit>

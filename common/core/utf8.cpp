@@ -5,8 +5,7 @@
 
 namespace skinbench {
 
-// The length of the character at the start of `text`, or 0 where there is none.
-static size_t characterLength(std::string_view text) {
+size_t utf8Length(std::string_view text) {
     const auto byte = [&](size_t i) { return static_cast<uint8_t>(text[i]); };
     const uint8_t lead = byte(0);
     if (lead < 0x80) return 1;
@@ -24,7 +23,7 @@ static size_t characterLength(std::string_view text) {
 
 size_t firstBadUtf8(std::string_view text) {
     for (size_t i = 0; i < text.size();) {
-        const size_t length = characterLength(text.substr(i));
+        const size_t length = utf8Length(text.substr(i));
         if (length == 0) return i;
         i += length;
     }
@@ -35,7 +34,7 @@ std::string toUtf8(std::string_view text) {
     std::string out;
     out.reserve(text.size());
     for (size_t i = 0; i < text.size();) {
-        const size_t length = characterLength(text.substr(i));
+        const size_t length = utf8Length(text.substr(i));
         if (length == 0)
             out += "\xEF\xBF\xBD";
         else

@@ -7,7 +7,11 @@
 
 namespace skinbench {
 
-// The offset of the first byte that is no well-formed UTF-8 (Unicode, table 3-7), or npos.
+// The length in bytes of the character at the start of a text that is not empty, or 0 where there is no well-formed one
+// (Unicode, table 3-7).
+size_t utf8Length(std::string_view text);
+
+// The offset of the first byte that is no well-formed UTF-8, or npos.
 size_t firstBadUtf8(std::string_view text);
 
 // Each byte that is no well-formed UTF-8 becomes U+FFFD.
