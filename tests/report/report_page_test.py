@@ -199,12 +199,13 @@ def holds(whole, part):
 def damaged():
     """A file whose values are of the wrong kinds where loading lets them through."""
     broken = results()
-    broken["scene"].update(vertices="many", name=5, joints=None)
-    broken["settings"].update(frames=[], copies={})
-    broken.update(warnings=5, limits=[7], environment=[], self_test="no", calibrations=[3])
-    broken["cases"][0].update(id=7, route=None, options=[], gpu_ms={"median": "fast", "min": 1, "cv": 1})
-    broken["cases"][1]["gpu_ms"].update(samples="none", interval=[2, 1], drift=4)
-    broken["cases"][2].update(memory_bytes={"total": "much"}, accuracy={"max_position_error": []}, limit_ms="x")
+    broken["settings"].update(rounds=[], warmup={})
+    broken.update(limits=[7], environment=[], self_test="no", calibrations=[3], axes=[7, {"name": 5, "values": "few"}])
+    broken["devices"][0].update(routes=7, peak=[], version=3)
+    broken["cases"][0].update(builder=7, options=[], host_ms="x", counters=[1], achieved=5, meshlets="many")
+    broken["cases"][1]["gpu_ms"].update(interval=[2, 1], drift=4, p95="slow", outliers=[])
+    broken["cases"][2].update(memory_bytes={"total": 5, "vertex": "much"}, unserialised_ms=3, limit_id=[],
+                              accuracy={"max_position_error": 1, "max_normal_error": [], "image_difference": "x"})
     return broken
 
 
