@@ -20,11 +20,11 @@ TEST_CASE("what is not UTF-8 becomes the replacement character") {
     const std::string mark = "\uFFFD";
     CHECK(terminalText("caf\xE9") == "caf" + mark);
     CHECK(terminalText("\xFF\xFE") == mark + mark);
-    CHECK(terminalText("\xC0\xAF") == mark + mark);   // overlong
-    CHECK(terminalText("\xE0\x80\xAF") == mark + mark + mark);      // overlong
-    CHECK(terminalText("\xED\xA0\x80") == mark + mark + mark);      // a surrogate
-    CHECK(terminalText("\xF4\x90\x80\x80") == mark);  // above U+10FFFF
-    CHECK(terminalText("\xE6\x97") == mark + mark);          // cut off
+    CHECK(terminalText("\xC0\xAF") == mark + mark);                        // overlong
+    CHECK(terminalText("\xE0\x80\xAF") == mark + mark + mark);             // overlong
+    CHECK(terminalText("\xED\xA0\x80") == mark + mark + mark);             // a surrogate
+    CHECK(terminalText("\xF4\x90\x80\x80") == mark + mark + mark + mark);  // above U+10FFFF
+    CHECK(terminalText("\xE6\x97") == mark + mark);                        // cut off
     CHECK(terminalText("\xE6x") == mark + "x");
     CHECK(terminalText("\xF0\x9F\xA6\xB4") == "\xF0\x9F\xA6\xB4");
 }
