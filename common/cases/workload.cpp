@@ -186,10 +186,14 @@ Result<double> shareOutOfView(Workload& workload, int influences) {
     if (!frame) return std::unexpected(frame.error());
     const uint32_t copies = workload.settings.copies;
     const Mesh& mesh = (*scene)->mesh;
-    const Bounds& bounds = workload.bounds[influences];
+    // By phase: the box spares most copies the look at each vertex.
+    std::map<uint32_t, Bounds> boxes;
     std::map<uint32_t, SkinnedReference> posed;
     size_t outside = 0;
     for (uint32_t copy = 0; copy < copies; ++copy) {
+        const uint32_t phase = copy % kPhases;
+        if (!boxes.contains(phase)) boxes[phase] = posedBounds(mesh, paletteOfCopy(*frame, copies, copy));
+        const Bounds& bounds = boxes[phase];
         bool whole = true;
         for (int corner = 0; corner < 8; ++corner)
             whole =
@@ -197,7 +201,7 @@ Result<double> shareOutOfView(Workload& workload, int influences) {
                                   {corner & 1 ? bounds.max.x : bounds.min.x, corner & 2 ? bounds.max.y : bounds.min.y,
                                    corner & 4 ? bounds.max.z : bounds.min.z});
         if (whole) continue;
-        SkinnedReference& skinned = posed[copy % kPhases];
+        SkinnedReference& skinned = posed[phase];
         if (skinned.positions.empty()) skinned = skinReference(mesh, paletteOfCopy(*frame, copies, copy));
         outside += std::ranges::count_if(skinned.positions,
                                          [&](const glm::dvec3& p) { return !isInView(frame->constants, copy, p); });
