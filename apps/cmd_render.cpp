@@ -19,6 +19,8 @@ Result<void> checkView(const Case& c) {
 }
 
 Result<Case> chosenCase(const RenderOptions& options) {
+    Case scratch;
+    if (!options.view.empty()) SKINBENCH_TRY(findAxis("view")->set(scratch, options.view));
     Selectors selectors = options.selectors;
     AxisWords& words = selectors.words;
     std::string route = options.route;

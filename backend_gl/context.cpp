@@ -4,7 +4,6 @@
 #include <cstdlib>
 #include <format>
 #include <map>
-#include <mutex>
 #include <string_view>
 #include <utility>
 
@@ -13,16 +12,6 @@
 namespace skinbench {
 
 namespace {
-
-struct DisplayUsers {
-    std::mutex mutex;
-    std::map<EGLDisplay, int> counts;
-};
-
-DisplayUsers& displayUsers() {
-    static DisplayUsers& users = *new DisplayUsers;  // outlives every backend, also static ones
-    return users;
-}
 
 bool hasWord(const char* words, std::string_view word) {
     std::string_view rest = words ? words : "";
@@ -106,7 +95,7 @@ Result<std::unique_ptr<Context>> openContext(EGLDisplay handle, bool debug) {
     if (handle == EGL_NO_DISPLAY || !eglInitialize(handle, &major, &minor))
         return deviceError(std::format("eglInitialize said {}", eglErrorName(eglGetError())));
     auto context = std::make_unique<Context>();
-    context->display = std::make_shared<Display>(handle);
+    context->display = handle;
     gladLoaderLoadEGL(handle);  // again: only a display tells the loader its EGL version
 
     const char* extensions = eglQueryString(handle, EGL_EXTENSIONS);
@@ -173,35 +162,20 @@ std::vector<std::vector<EGLDisplay>> displayKinds(const char* clientExtensions) 
 
 }  // namespace
 
-Display::Display(EGLDisplay handle) : handle_(handle) {
-    DisplayUsers& users = displayUsers();
-    std::lock_guard lock(users.mutex);
-    ++users.counts[handle_];
-}
-
-Display::~Display() {
-    DisplayUsers& users = displayUsers();
-    std::lock_guard lock(users.mutex);
-    if (--users.counts[handle_] > 0) return;
-    users.counts.erase(handle_);
-    eglTerminate(handle_);
-}
-
 Context::~Context() {
-    if (!display) return;
+    if (display == EGL_NO_DISPLAY) return;
     if (handle != EGL_NO_CONTEXT) {
         eglBindAPI(EGL_OPENGL_API);
-        if (eglGetCurrentContext() == handle)
-            eglMakeCurrent(display->handle(), EGL_NO_SURFACE, EGL_NO_SURFACE, EGL_NO_CONTEXT);
-        eglDestroyContext(display->handle(), handle);
+        if (eglGetCurrentContext() == handle) eglMakeCurrent(display, EGL_NO_SURFACE, EGL_NO_SURFACE, EGL_NO_CONTEXT);
+        eglDestroyContext(display, handle);
     }
-    if (surface != EGL_NO_SURFACE) eglDestroySurface(display->handle(), surface);
+    if (surface != EGL_NO_SURFACE) eglDestroySurface(display, surface);
 }
 
 Result<void> Context::makeCurrent() {
     eglBindAPI(EGL_OPENGL_API);
     if (eglGetCurrentContext() == handle) return {};
-    if (!eglMakeCurrent(display->handle(), surface, surface, handle))
+    if (!eglMakeCurrent(display, surface, surface, handle))
         return deviceError(
             std::format("OpenGL: the context of '{}' cannot be used on this thread ({}); use a backend "
                         "on one thread only",

@@ -13,23 +13,10 @@
 
 namespace skinbench {
 
-// Counts the users of an EGLDisplay, which EGL shares between all who ask for the same device, and terminates it
-// after the last.
-class Display {
-public:
-    explicit Display(EGLDisplay handle);
-    ~Display();
-    Display(const Display&) = delete;
-    Display& operator=(const Display&) = delete;
-    EGLDisplay handle() const { return handle_; }
-
-private:
-    EGLDisplay handle_;
-};
-
 // One core-profile context of a device. Current on the opening thread when openContexts returns it last.
 struct Context {
-    std::shared_ptr<Display> display;
+    // Never terminated: on NVIDIA's driver two displays may be one, and terminating one ends the contexts of the other.
+    EGLDisplay display = EGL_NO_DISPLAY;
     EGLContext handle = EGL_NO_CONTEXT;
     EGLSurface surface = EGL_NO_SURFACE;  // a 1x1 pbuffer where contexts cannot go without a surface
     DeviceCaps caps;

@@ -1,5 +1,6 @@
 #include "tests/drivers.h"
 
+#include <cstdlib>
 #include <iostream>
 
 namespace skinbench {
@@ -12,10 +13,12 @@ struct Opened {
 
 }  // namespace
 
+bool underValidation() { return std::getenv("SKINBENCH_NO_VALIDATION") == nullptr; }
+
 const Backends& openedBackends() {
     static const Opened opened = [] {
         Opened all;
-        const BackendOptions options{.device = {}, .validation = true};
+        const BackendOptions options{.device = {}, .validation = underValidation()};
         auto keep = [&](Api api, Result<std::unique_ptr<Backend>> backend) {
             if (!backend) {
                 all.byApi[api].missing = backend.error().text;

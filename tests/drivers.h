@@ -7,6 +7,9 @@
 namespace skinbench {
 
 const Backends& openedBackends();
+
+// Tests run under validation, unless the machine has no layers for it and SKINBENCH_NO_VALIDATION says so.
+bool underValidation();
 bool anyDriver();
 
 }  // namespace skinbench

@@ -117,11 +117,11 @@ Axis numberAxis(const Row& row, const Numbers& numbers, Value& (*field)(Case&)) 
     auto get = [field](const Case& c) { return std::to_string(field(const_cast<Case&>(c))); };
     axis.usual = get(Case{});
     axis.get = axis.defineValue = get;
-    axis.set = [numbers, field, noun = nounOf(row)](Case& c, const std::string& text) {
+    axis.set = [numbers, field, option = axis.option.name](Case& c, const std::string& text) {
         const auto value = text.empty() ? std::nullopt : numberOf(text, numbers);
         if (!value)
             return Result<void>(inputError(
-                std::format("{} '{}' is not a number from {} to {}", noun, text, numbers.least, numbers.most)));
+                std::format("--{} '{}' is not a number from {} to {}", option, text, numbers.least, numbers.most)));
         field(c) = static_cast<Value>(*value);
         return Result<void>{};
     };
@@ -332,12 +332,15 @@ void addMeshStage(std::vector<Axis>& rows) {
         same(numberAxis<uint32_t>({.name = "group_size",
                                    .option = {.help = "invocations of a mesh work group"},
                                    .applies = onMeshRoute,
-                                   .noun = "mesh work group size",
                                    .define = "GROUP_SIZE"},
                                   {1, 1024, "group-", ""}, [](Case& c) -> uint32_t& { return c.groupSize; })));
-    rows.push_back(same(wordAxis<bool>(
-        {.name = "index_writes", .option = {.help = ", on NV routes"}, .applies = onNvRoute, .define = "PACKED_WRITES"},
-        {{"packed", true}, {"single", false, "unpacked-writes"}}, [](Case& c) -> bool& { return c.packedWrites; })));
+    rows.push_back(same(wordAxis<bool>({.name = "index_writes",
+                                        .option = {.help = ", on NV routes"},
+                                        .applies = onNvRoute,
+                                        .noun = "index write",
+                                        .define = "PACKED_WRITES"},
+                                       {{"packed", true}, {"single", false, "unpacked-writes"}},
+                                       [](Case& c) -> bool& { return c.packedWrites; })));
 }
 
 // The variant `mesh-ci`.

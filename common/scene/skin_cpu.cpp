@@ -36,7 +36,7 @@ Blended<T> blend(const Mesh& mesh, size_t vertex, const Palette& palette) {
             length > 0 ? normal / length : Vec3(0, 0, 1)};
 }
 
-void skinRange(const CpuSkinJob& job, size_t vertices, size_t begin, size_t end) {
+[[gnu::noinline]] void skinRange(const CpuSkinJob& job, size_t vertices, size_t begin, size_t end) {
     while (begin < end) {
         const size_t copy = begin / vertices;
         const size_t stop = std::min(end, (copy + 1) * vertices);

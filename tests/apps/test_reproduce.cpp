@@ -185,6 +185,8 @@ TEST_CASE("times are ratios to their baseline, marked where a software driver to
         if (c["route"] == "gl" || c["route"] == "gl-ext") {
             const double median = c["gpu_ms"].is_null() ? 0 : c["gpu_ms"]["median"].get<double>();
             if (median > 0) c["gpu_ms"]["interval"] = {median * 0.9, median * 1.2};
+        } else if (!c["gpu_ms"].is_null()) {
+            c["gpu_ms"]["interval"] = nullptr;
         }
     const Reproduction all = reproduceTorabi({scene});
     const ReproduceTable table = tableOf(all, "figs-4.2-4.3");
@@ -302,7 +304,7 @@ TEST_CASE("names from files are no markup") {
     CHECK(page.find("http") == std::string::npos);
     const std::string text = reproduceMarkdown(all, {scene});
     CHECK(text.find("<b>") == std::string::npos);
-    CHECK_THAT(text, ContainsSubstring("| &lt;b>hero&lt;/b>\\|x\\_y \\# \"two\" &amp; \\`three\\` | gl |"));
+    CHECK_THAT(text, ContainsSubstring("| &lt;b>hero&lt;/b>\\|x\\_y\\\\n\\# \"two\" &amp; \\`three\\` | gl |"));
     // Every line of a table has as many cells as the heading above it.
     size_t cells = 0;
     for (const std::string& line : program::linesOf(text)) {

@@ -7,6 +7,7 @@
 
 #include <catch2/generators/catch_generators_range.hpp>
 
+#include "tests/drivers.h"
 #include "tests/frame/hand_plans.h"
 
 namespace skinbench::hand {
@@ -35,9 +36,9 @@ inline const std::vector<Opened>& openedSubjects() {
         };
         // Hazards on storage buffers too; not on by default, as draws that write apart from each other look like one.
         setenv("VK_LAYER_SYNCVAL_SHADER_ACCESSES_HEURISTIC", "1", 1);
-        add(openVulkan({.device = {}, .validation = true}));
+        add(openVulkan({.device = {}, .validation = underValidation()}));
         unsetenv("VK_LAYER_SYNCVAL_SHADER_ACCESSES_HEURISTIC");
-        add(openGl({.device = {}, .validation = true}));
+        add(openGl({.device = {}, .validation = underValidation()}));
         return opened;
     }();
     return all;
