@@ -311,8 +311,9 @@ TEST_CASE("what is no glTF at all") {
     CHECK_THAT(loadError("array.gltf", bytesOf("[1,2]")), ContainsSubstring("is neither"));
     CHECK_THAT(loadError("cut.gltf", bytesOf("{\"asset\": {")), ContainsSubstring("its JSON is broken near byte"));
     CHECK_THAT(loadError("huge.gltf", bytesOf("{\"asset\": 1e999}")), ContainsSubstring("out of range"));
-    CHECK_THAT(loadError("deep.gltf", bytesOf("{\"asset\": " + std::string(3'000'000, '['))),
-               ContainsSubstring("deeper"));
+    std::string deep = "{\"asset\": ";
+    deep.append(3'000'000, '[');
+    CHECK_THAT(loadError("deep.gltf", bytesOf(deep)), ContainsSubstring("deeper"));
     CHECK_THAT(loadError("empty.gltf", bytesOf("{}")), ContainsSubstring("has no asset version"));
 
     const auto missing = loadGltf((fixture::temporaryFolder() / "nothing.glb").string());
