@@ -181,9 +181,9 @@ static bool isInView(const FrameConstants& constants, uint32_t copy, const glm::
 
 Result<double> shareOutOfView(Workload& workload, int influences) {
     const auto scene = sceneFor(workload, influences);
-    if (!scene) return std::unexpected(scene.error());
+    SKINBENCH_TRY(scene);
     const auto frame = makeFrame(workload, influences, 0);
-    if (!frame) return std::unexpected(frame.error());
+    SKINBENCH_TRY(frame);
     const uint32_t copies = workload.settings.copies;
     const Mesh& mesh = (*scene)->mesh;
     // By phase: the box spares most copies the look at each vertex.

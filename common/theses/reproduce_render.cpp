@@ -3,6 +3,7 @@
 
 #include "common/core/text.h"
 #include "common/core/version.h"
+#include "common/plans/case.h"
 #include "common/theses/reproduce_parts.h"
 
 namespace skinbench {
@@ -37,6 +38,12 @@ std::string displayName(const std::string& thesis) {
 
 // --- where it was measured -------------------------------------------------------------------------------------
 
+std::string apiName(const std::string& key) {
+    for (const Route& route : routes())
+        if (key == namesOf(route.api).key) return namesOf(route.api).name;
+    return key;
+}
+
 // Sentences, the same for every format.
 std::vector<std::string> contextLines(const Reproduction& all, const std::vector<ReproduceScene>& scenes) {
     std::vector<std::string> lines = {all.author + "."};
@@ -47,7 +54,7 @@ std::vector<std::string> contextLines(const Reproduction& all, const std::vector
     if (runs.empty()) return lines;
     const Json& results = runs.front()->results;
     for (const Json& device : results["devices"])
-        lines.push_back(std::format("{}: {}, {}{}.", device["route_api"] == "vulkan" ? "Vulkan" : "OpenGL",
+        lines.push_back(std::format("{}: {}, {}{}.", apiName(device["route_api"].get<std::string>()),
                                     device["name"].get<std::string>(), device["driver"].get<std::string>(),
                                     device.value("software", false)
                                         ? " - software driver: shows that the path works, not how fast a GPU is"

@@ -4,7 +4,8 @@
 #include <bit>
 #include <cmath>
 #include <map>
-#include <thread>
+
+#include "common/core/parallel.h"
 
 namespace skinbench::builtin {
 
@@ -223,15 +224,13 @@ void fillBadCells(const Field& field, Grid& grid) {
 }  // namespace
 
 void parallelRanges(size_t count, const std::function<void(size_t, size_t)>& work) {
-    const size_t threads = std::clamp<size_t>(std::thread::hardware_concurrency(), 1, 8);
+    const size_t threads = std::min<size_t>(coreCount(), 8);
     const size_t chunk = std::max<size_t>((count + threads * 4 - 1) / (threads * 4), 1);
     if (threads == 1 || count < 64) return work(0, count);
-    std::vector<std::jthread> pool;
-    for (size_t t = 0; t < threads; ++t)
-        pool.emplace_back([&, t] {
-            for (size_t begin = t * chunk; begin < count; begin += threads * chunk)
-                work(begin, std::min(begin + chunk, count));
-        });
+    parallelEach(threads, [&](size_t t) {
+        for (size_t begin = t * chunk; begin < count; begin += threads * chunk)
+            work(begin, std::min(begin + chunk, count));
+    });
 }
 
 uint8_t cellSigns(const CornerBits& inside, glm::ivec3 cell) {

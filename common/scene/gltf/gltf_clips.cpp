@@ -42,12 +42,11 @@ Result<Channel> makeChannel(const tinygltf::Animation& animation, const tinygltf
     const bool rotation = channel.path == ChannelPath::rotation;
     const int components = rotation ? 4 : 3;
     auto times = at("input", readFloats(data, sampler.input, 1));
-    if (!times) return std::unexpected(times.error());
+    SKINBENCH_TRY(times);
     auto values = at("output", readFloats(data, sampler.output, components, rotation));
-    if (!values) return std::unexpected(values.error());
+    SKINBENCH_TRY(values);
     if (times->empty()) return inputError("has no key");
-    if (auto ok = spend(data.budget, values->size() / components, sizeof(glm::vec4)); !ok)
-        return std::unexpected(ok.error());
+    SKINBENCH_TRY(spend(data.budget, values->size() / components, sizeof(glm::vec4)));
     if (!isAllowed(**openColumn(data, sampler.input, 1), false)) notes.add(GltfNote::forbiddenFormats);
     if (!isAllowed(**openColumn(data, sampler.output, components), rotation)) notes.add(GltfNote::forbiddenFormats);
     noteTimes(*times, notes);
@@ -73,7 +72,7 @@ Result<Clip> makeClip(const tinygltf::Model& model, const tinygltf::Animation& a
         if (!contains(model.nodes, source.target_node))
             return inputError(std::format("{}: node {} does not exist", place, source.target_node));
         auto channel = at(place, makeChannel(animation, source, data, notes));
-        if (!channel) return std::unexpected(channel.error());
+        SKINBENCH_TRY(channel);
         channel->node = order.place[source.target_node];
         if (auto ok = checkChannel(*channel, model.nodes.size()); !ok)
             return inputError(std::format("{}: {}", place, ok.error().text));

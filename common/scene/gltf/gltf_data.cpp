@@ -49,7 +49,7 @@ Result<const GltfView*> openView(GltfData& data, int index) {
 
 Result<GltfElements> locate(GltfData& data, int index, uint64_t offset, uint64_t count, uint64_t elementBytes) {
     const auto view = openView(data, index);
-    if (!view) return std::unexpected(view.error());
+    SKINBENCH_TRY(view);
     const uint64_t stride = (*view)->stride ? (*view)->stride : elementBytes;
     if (stride < elementBytes)
         return inputError(std::format("byteStride {} is smaller than an element of {} bytes", stride, elementBytes));
@@ -121,10 +121,10 @@ Result<void> openSparse(GltfData& data, const GltfAccessor& accessor, GltfColumn
     if (type != kGltfU8 && type != kGltfU16 && type != kGltfU32)
         return inputError(std::format("sparse indices have component type {}", type));
     const auto indices = locate(data, sparse.indexView, sparse.indexOffset, sparse.count, componentBytes(type));
-    if (!indices) return std::unexpected(indices.error());
+    SKINBENCH_TRY(indices);
     const uint64_t elementBytes = componentBytes(accessor.component) * accessor.components;
     const auto values = locate(data, sparse.valueView, sparse.valueOffset, sparse.count, elementBytes);
-    if (!values) return std::unexpected(values.error());
+    SKINBENCH_TRY(values);
     if (auto ok = spend(data.budget, sparse.count, sizeof(column.sparse[0])); !ok) return ok;
     column.values = *values;
     column.sparse.reserve(sparse.count);
@@ -152,12 +152,11 @@ Result<GltfColumn> makeColumn(GltfData& data, const GltfAccessor& accessor) {
     SKINBENCH_ASSERT(bytes > 0);
     if (accessor.view >= 0) {
         const auto located = locate(data, accessor.view, accessor.offset, accessor.count, bytes * accessor.components);
-        if (!located) return std::unexpected(located.error());
+        SKINBENCH_TRY(located);
         column.elements = *located;
         column.misaligned = accessor.offset % bytes != 0 || located->stride % bytes != 0;
     }
-    if (accessor.sparse)
-        if (auto ok = openSparse(data, accessor, column); !ok) return std::unexpected(ok.error());
+    if (accessor.sparse) SKINBENCH_TRY(openSparse(data, accessor, column));
     return column;
 }
 
@@ -245,9 +244,9 @@ void readElement(const GltfColumn& column, uint64_t element, uint32_t* out) { re
 
 Result<std::vector<float>> readFloats(GltfData& data, int accessor, int components, bool normalized, uint64_t count) {
     const auto column = openColumn(data, accessor, components);
-    if (!column) return std::unexpected(column.error());
+    SKINBENCH_TRY(column);
     count = std::min(count, (*column)->count);
-    if (auto ok = spend(data.budget, count, components * sizeof(float)); !ok) return std::unexpected(ok.error());
+    SKINBENCH_TRY(spend(data.budget, count, components * sizeof(float)));
     std::vector<float> values(count * components);
     for (uint64_t i = 0; i < count; ++i) readElement(**column, i, &values[i * components], normalized);
     return values;
@@ -256,11 +255,10 @@ Result<std::vector<float>> readFloats(GltfData& data, int accessor, int componen
 Result<std::vector<uint8_t>> decompressView(const CompressedView& view, GltfBudget& budget) {
     if (view.stride > 256)
         return inputError(std::format("byteStride {} must be a multiple of 4 up to 256", view.stride));
-    if (auto ok = spend(budget, view.count, std::max<uint64_t>(view.stride, 1)); !ok)
-        return std::unexpected(ok.error());
+    SKINBENCH_TRY(spend(budget, view.count, std::max<uint64_t>(view.stride, 1)));
     std::vector<uint8_t> out(view.count * view.stride);
-    if (auto ok = decodeBytes(view, out); !ok) return std::unexpected(ok.error());
-    if (auto ok = applyFilter(view, out); !ok) return std::unexpected(ok.error());
+    SKINBENCH_TRY(decodeBytes(view, out));
+    SKINBENCH_TRY(applyFilter(view, out));
     return out;
 }
 

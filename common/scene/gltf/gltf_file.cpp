@@ -66,11 +66,11 @@ Result<std::span<const uint8_t>> loadUri(GltfFile& file, const std::string& uri,
                                          LoadedFiles& loaded) {
     if (isDataUri(uri)) {
         auto bytes = decodeDataUri(uri);
-        if (!bytes) return std::unexpected(bytes.error());
+        SKINBENCH_TRY(bytes);
         return file.storage.emplace_back(std::move(*bytes));
     }
     const auto path = resolveUri(uri, folder);
-    if (!path) return std::unexpected(path.error());
+    SKINBENCH_TRY(path);
     if (const auto known = loaded.find(*path); known != loaded.end()) return known->second;
     auto bytes = readGltfBytes(*path);
     if (!bytes)
@@ -83,7 +83,7 @@ Result<std::span<const uint8_t>> loadUri(GltfFile& file, const std::string& uri,
 Result<std::span<const uint8_t>> loadBuffer(GltfFile& file, json& buffer, size_t index, const Chunks& chunks,
                                             const std::filesystem::path& folder, LoadedFiles& loaded) {
     if (!buffer.is_object() || !buffer.contains("byteLength")) return inputError("has no byteLength");
-    if (auto ok = checkWholeNumber(buffer, "it", "byteLength", kMaxGltfSize); !ok) return std::unexpected(ok.error());
+    SKINBENCH_TRY(checkWholeNumber(buffer, "it", "byteLength", kMaxGltfSize));
     // The bytes that such a buffer would hold are those that its views decompress.
     if (const json* meshopt = findMeshopt(buffer);
         meshopt && meshopt->is_object() && meshopt->value("fallback", json(false)) == true)
@@ -94,7 +94,7 @@ Result<std::span<const uint8_t>> loadBuffer(GltfFile& file, json& buffer, size_t
     if (uri != buffer.end()) {
         if (!uri->is_string()) return inputError("uri must be a string");
         const auto read = loadUri(file, uri->get_ref<const std::string&>(), folder, loaded);
-        if (!read) return std::unexpected(read.error());
+        SKINBENCH_TRY(read);
         bytes = *read;
     } else if (index == 0 && chunks.hasBin) {
         bytes = chunks.bin;
@@ -110,7 +110,7 @@ Result<std::span<const uint8_t>> loadBuffer(GltfFile& file, json& buffer, size_t
 
 Result<GltfFile> readGltfFile(const std::string& path) {
     auto bytes = readGltfBytes(path);
-    if (!bytes) return std::unexpected(bytes.error());
+    SKINBENCH_TRY(bytes);
     if (bytes->empty()) return inputError("is empty");
 
     GltfFile file;
@@ -120,13 +120,13 @@ Result<GltfFile> readGltfFile(const std::string& path) {
     Chunks chunks{all, {}, false};
     if (all.size() >= 4 && readWord(all, 0) == kGlbMagic) {
         auto split = splitGlb(all);
-        if (!split) return std::unexpected(split.error());
+        SKINBENCH_TRY(split);
         chunks = *split;
     }
     auto json = parseGltfJson(chunks.json);
-    if (!json) return std::unexpected(json.error());
+    SKINBENCH_TRY(json);
     auto tree = checkGltfTree(*json);
-    if (!tree) return std::unexpected(tree.error());
+    SKINBENCH_TRY(tree);
     file.tree = std::move(*tree);
 
     const auto buffers = json->find("buffers");

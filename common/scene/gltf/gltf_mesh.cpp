@@ -54,7 +54,7 @@ Result<std::vector<uint32_t>> readIndices(GltfData& data, const GltfPrimitive& p
     }
     const uint64_t count = column ? column->count : vertices;
     // Strips and fans become three indices per triangle.
-    if (auto ok = spend(data.budget, count, 4 * sizeof(uint32_t)); !ok) return std::unexpected(ok.error());
+    SKINBENCH_TRY(spend(data.budget, count, 4 * sizeof(uint32_t)));
     std::vector<uint32_t> indices(count);
     if (!column) std::iota(indices.begin(), indices.end(), 0u);
     for (uint64_t i = 0; column && i < count; ++i) {
@@ -136,7 +136,7 @@ std::vector<glm::vec3> smoothNormals(const std::vector<glm::vec3>& positions, co
 
 Result<void> readNormals(GltfData& data, int accessor, uint64_t count, GltfVertices& out, GltfNotes& notes) {
     const auto column = checkColumn(openColumn(data, accessor, 3), "NORMAL", count);
-    if (!column) return std::unexpected(column.error());
+    SKINBENCH_TRY(column);
     noteFormat(data, **column, Use::normal, notes);
     // Rounding to a byte moves a unit vector by up to 0.7 %.
     const double kLong = (*column)->component == kGltfF32 ? 0.01 : 0.05;
@@ -159,7 +159,7 @@ Result<void> readUvs(GltfData& data, int accessor, uint64_t count, GltfVertices&
     out.mesh.uvs.assign(out.fileVertex.size(), glm::vec2(0));
     if (accessor < 0) return {};
     const auto column = checkColumn(openColumn(data, accessor, 2), "TEXCOORD_0", count);
-    if (!column) return std::unexpected(column.error());
+    SKINBENCH_TRY(column);
     noteFormat(data, **column, Use::uv, notes);
     for (size_t v = 0; v < out.fileVertex.size(); ++v) {
         glm::vec2 uv;
@@ -186,9 +186,9 @@ Result<Sets> openSets(GltfData& data, const GltfPrimitive& primitive, uint64_t c
             return inputError(joints < 0 ? weightName + " has no " + jointName : jointName + " has no " + weightName);
         if (n == kMaxSets) return inputError(std::format("has more than {} influences a vertex", kMaxSets * 4));
         const auto jointColumn = checkColumn(openIndexColumn(data, joints, 4, 2), jointName, count);
-        if (!jointColumn) return std::unexpected(jointColumn.error());
+        SKINBENCH_TRY(jointColumn);
         const auto weightColumn = checkColumn(openColumn(data, weights, 4), weightName, count);
-        if (!weightColumn) return std::unexpected(weightColumn.error());
+        SKINBENCH_TRY(weightColumn);
         if ((*jointColumn)->normalized) notes.add(GltfNote::forbiddenFormats);
         noteFormat(data, **weightColumn, Use::weight, notes);
         sets.joints.push_back(*jointColumn);
@@ -286,7 +286,7 @@ Result<void> readVertices(GltfData& data, const GltfPrimitive& primitive, const 
                           GltfVertices& out, GltfNotes& notes) {
     if (auto ok = spend(data.budget, out.fileVertex.size(), kVertexBytes); !ok) return ok;
     const auto positions = openColumn(data, find(primitive, "POSITION"), 3);
-    if (!positions) return std::unexpected(positions.error());
+    SKINBENCH_TRY(positions);
     noteFormat(data, **positions, Use::position, notes);
     const uint64_t count = (*positions)->count;
     out.mesh.positions.resize(out.fileVertex.size());
@@ -298,7 +298,7 @@ Result<void> readVertices(GltfData& data, const GltfPrimitive& primitive, const 
     }
     if (auto ok = readUvs(data, find(primitive, "TEXCOORD_0"), count, out, notes); !ok) return ok;
     const auto sets = openSets(data, primitive, count, notes);
-    if (!sets) return std::unexpected(sets.error());
+    SKINBENCH_TRY(sets);
     out.skinned = !sets->joints.empty();
     if (out.skinned) fillInfluences(*sets, out, notes);
     if (const int normals = find(primitive, "NORMAL"); normals >= 0)
@@ -314,7 +314,7 @@ Result<std::vector<uint32_t>> readTriangles(GltfData& data, const GltfPrimitive&
     const auto positions = openColumn(data, position, 3);
     if (!positions) return std::unexpected(Error{positions.error().fault, "POSITION: " + positions.error().text});
     auto indices = readIndices(data, primitive, (*positions)->count);
-    if (!indices) return std::unexpected(indices.error());
+    SKINBENCH_TRY(indices);
     return toTriangles(std::move(*indices), primitive.mode);
 }
 

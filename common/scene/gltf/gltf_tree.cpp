@@ -449,11 +449,11 @@ const json* findMeshopt(const json& object) {
 
 Result<GltfTree> checkGltfTree(json& tree) {
     GltfTree out;
-    if (auto ok = checkVersion(tree); !ok) return std::unexpected(ok.error());
+    SKINBENCH_TRY(checkVersion(tree));
     // An extension that cannot be read explains every fault that follows from it.
-    if (auto ok = checkRequiredExtensions(tree); !ok) return std::unexpected(ok.error());
+    SKINBENCH_TRY(checkRequiredExtensions(tree));
     takeExtensions(tree, out.extensions);
-    if (auto ok = checkObjects(tree, out); !ok) return std::unexpected(ok.error());
+    SKINBENCH_TRY(checkObjects(tree, out));
     noteDeclared(tree, out);
     json kept = {{"asset", {{"version", "2.0"}}}};
     for (const char* key : {"bufferViews", "accessors", "meshes", "nodes", "scenes", "scene", "animations", "skins"})

@@ -180,7 +180,7 @@ Result<uint32_t> addSkin(Importer& in, int index) {
 Result<std::vector<Instance>> findInstances(const tinygltf::Model& model, const NodeOrder& order,
                                             const std::set<size_t>& hidden, Scene& scene, GltfNotes& notes) {
     const auto inScene = shownNodes(model, order);
-    if (!inScene) return std::unexpected(inScene.error());
+    SKINBENCH_TRY(inScene);
     const std::vector<bool> left = hiddenNodes(order, hidden);
     std::vector<Instance> shown, all;
     bool skinShown = false, skinVisible = false, anySkin = false;
@@ -218,7 +218,7 @@ Result<const GltfMesh*> decodeMesh(Importer& in, int index) {
                               source.indices,
                               source.mode < 0 ? TINYGLTF_MODE_TRIANGLES : source.mode});
     auto mesh = at(std::format("mesh {}", index), readMesh(in.data, primitives, in.notes));
-    if (!mesh) return std::unexpected(mesh.error());
+    SKINBENCH_TRY(mesh);
     return &in.meshes.emplace(index, std::move(*mesh)).first->second;
 }
 
@@ -243,7 +243,7 @@ Result<void> appendVertices(Importer& in, const GltfVertices& vertices, const In
     mesh.uvs.insert(mesh.uvs.end(), source.uvs.begin(), source.uvs.end());
     if (!skinned) {
         const auto joint = rigidJoint(in, instance.node);
-        if (!joint) return std::unexpected(joint.error());
+        SKINBENCH_TRY(joint);
         Influences influences{{}, {1}};
         influences.joints.fill(*joint);
         mesh.influences.resize(mesh.positions.size(), influences);
@@ -275,7 +275,7 @@ std::string partName(const Importer& in, const Instance& instance, size_t primit
 Result<void> addInstance(Importer& in, const Instance& instance) {
     const std::string place = std::format("mesh {}", instance.mesh);
     const auto decoded = decodeMesh(in, instance.mesh);
-    if (!decoded) return std::unexpected(decoded.error());
+    SKINBENCH_TRY(decoded);
     const GltfMesh& mesh = **decoded;
     if (auto ok = at(place, spend(in.data.budget, mesh.parts.size(), sizeof(Part))); !ok) return ok;
     std::vector<size_t> firstVertex;
@@ -345,7 +345,7 @@ void warnOfBrokenParts(const GltfTree& tree, std::vector<std::string>& warnings)
 Result<Scene> buildScene(const tinygltf::Model& model, const GltfFile& file) {
     GltfData data = makeData(model, file);
     const auto order = orderNodes(model);
-    if (!order) return std::unexpected(order.error());
+    SKINBENCH_TRY(order);
     Scene scene;
     for (const int node : order->sorted) {
         const int parent = order->parents[node];
@@ -354,9 +354,8 @@ Result<Scene> buildScene(const tinygltf::Model& model, const GltfFile& file) {
     }
     GltfNotes notes = file.tree.notes;
     const auto instances = findInstances(model, *order, file.tree.hidden, scene, notes);
-    if (!instances) return std::unexpected(instances.error());
-    if (auto ok = addClips(model, file.tree.animations, data, *order, scene, notes); !ok)
-        return std::unexpected(ok.error());
+    SKINBENCH_TRY(instances);
+    SKINBENCH_TRY(addClips(model, file.tree.animations, data, *order, scene, notes));
     Importer in{model,
                 file.tree,
                 *order,
@@ -372,25 +371,24 @@ Result<Scene> buildScene(const tinygltf::Model& model, const GltfFile& file) {
     for (const Instance& instance : *instances) {
         if (instance.skin < 0 || in.skinJoints.contains(instance.skin)) continue;
         const auto first = addSkin(in, instance.skin);
-        if (!first) return std::unexpected(first.error());
+        SKINBENCH_TRY(first);
         in.skinJoints[instance.skin] = *first;
     }
-    for (const Instance& instance : *instances)
-        if (auto ok = addInstance(in, instance); !ok) return std::unexpected(ok.error());
+    for (const Instance& instance : *instances) SKINBENCH_TRY(addInstance(in, instance));
     if (scene.mesh.indices.empty()) return inputError("has no triangle to draw");
     for (std::string& text : describe(notes)) scene.warnings.push_back(std::move(text));
     for (std::string& text : describe(file.tree.extensions)) scene.warnings.push_back(std::move(text));
     warnOfBrokenParts(file.tree, scene.warnings);
     warnOfMirroredJoints(in, *instances);
-    if (auto ok = checkScene(scene); !ok) return std::unexpected(ok.error());
+    SKINBENCH_TRY(checkScene(scene));
     return scene;
 }
 
 Result<Scene> loadUnnamed(const std::string& path) {
     const auto file = readGltfFile(path);
-    if (!file) return std::unexpected(file.error());
+    SKINBENCH_TRY(file);
     const auto model = parseModel(file->tree.json);
-    if (!model) return std::unexpected(model.error());
+    SKINBENCH_TRY(model);
     return buildScene(*model, *file);
 }
 
