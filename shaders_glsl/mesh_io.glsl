@@ -1,5 +1,5 @@
-// The output side of a mesh stage: the only place that knows EXT from NV. Both read the same words in the same loops;
-// only the writes differ.
+// The output side of a mesh stage, where EXT and NV write in different ways; both read the same words in the same loops.
+// Culling alone asks for the dialect again (mesh.glsl, cull.glsl): EXT declares its counts before it writes.
 #include "frame.glsl"
 #include "view.glsl"
 #include "meshlet.glsl"
