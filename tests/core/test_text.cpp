@@ -1,5 +1,6 @@
 // Text that is not ours cannot steer what shows it.
 #include <catch2/catch_test_macros.hpp>
+#include <format>
 #include <nlohmann/json.hpp>
 
 #include "common/core/text.h"
@@ -31,7 +32,7 @@ TEST_CASE("what is not UTF-8 becomes the replacement character") {
 
 TEST_CASE("a long message keeps its beginning and its end") {
     CHECK(terminalText(std::string(400, 'x'), 400) == std::string(400, 'x'));
-    const std::string cut = terminalText("file: " + std::string(500'000, 'n') + " is too long", 400);
+    const std::string cut = terminalText(std::format("file: {} is too long", std::string(500'000, 'n')), 400);
     CHECK(cut.starts_with("file: nnn"));
     CHECK(cut.ends_with("nnn is too long"));
     CHECK(cut.size() == 399 + std::string("…").size());

@@ -1,3 +1,5 @@
+#include <format>
+
 #include <catch2/catch_test_macros.hpp>
 #include <catch2/matchers/catch_matchers_string.hpp>
 
@@ -172,26 +174,23 @@ TEST_CASE("quantised and compressed spiders equal the plain one") {
 }
 
 TEST_CASE("asset generator scenes") {
-    const std::string folder = "edge/asset_generator/";
-    const Scene plain = load(folder + "Animation_Skin_00.gltf");
+    auto of = [](const std::string& name) { return load(std::format("edge/asset_generator/{}.gltf", name)); };
+    const Scene plain = of("Animation_Skin_00");
     SECTION("transforms of the skinned node have no effect") {
-        CHECK(distance(plain, load(folder + "Animation_Skin_02.gltf"), 0) == 0);
+        CHECK(distance(plain, of("Animation_Skin_02"), 0) == 0);
     }
-    SECTION("joints outside the scene work") {
-        CHECK(distance(plain, load(folder + "Animation_Skin_03.gltf"), 0) == 0);
-    }
+    SECTION("joints outside the scene work") { CHECK(distance(plain, of("Animation_Skin_03"), 0) == 0); }
     SECTION("missing inverse bind matrices are identities") {
-        for (const Joint& joint : load(folder + "Animation_Skin_04.gltf").skeleton.joints)
-            CHECK(joint.inverseBind == glm::mat4(1));
+        for (const Joint& joint : of("Animation_Skin_04").skeleton.joints) CHECK(joint.inverseBind == glm::mat4(1));
     }
     SECTION("joint and weight types make no difference") {
-        const Scene first = load(folder + "Animation_SkinType_00.gltf");
+        const Scene first = of("Animation_SkinType_00");
         for (const char* n : {"1", "2", "3"})
-            CHECK(distance(first, load(folder + "Animation_SkinType_0" + n + ".gltf"), 0) == 0);
+            CHECK(distance(first, of(std::format("Animation_SkinType_0{}", n)), 0) == 0);
     }
     SECTION("a static mesh follows its joint") {
         for (const char* n : {"5", "8"}) {
-            const Scene scene = load(folder + "Animation_Skin_0" + n + ".gltf");
+            const Scene scene = of(std::format("Animation_Skin_0{}", n));
             const auto part = std::ranges::find(scene.parts, true, &Part::rigid);
             REQUIRE(part != scene.parts.end());
             const auto begin = corners(scene, 0), later = corners(scene, scene.clips[0].duration * 0.5f);
