@@ -36,6 +36,7 @@ Blended<T> blend(const Mesh& mesh, size_t vertex, const Palette& palette) {
             length > 0 ? normal / length : Vec3(0, 0, 1)};
 }
 
+// Out of line: where it was inlined into the threads, it took 1.1 to 1.25 of the time on 16 cores.
 [[gnu::noinline]] void skinRange(const CpuSkinJob& job, size_t vertices, size_t begin, size_t end) {
     while (begin < end) {
         const size_t copy = begin / vertices;
