@@ -8,7 +8,7 @@
 
 #include "common/cases/axes.h"
 #include "common/cases/camera.h"
-#include "common/plans/variant.h"
+#include "common/plans/plan.h"
 
 namespace skinbench {
 

@@ -58,7 +58,7 @@ struct MeshLimitsOfDevice {
     bool taskStages = false;          // a task stage may start the mesh work groups
 };
 
-// Facts only; what follows from them is decided in variant.cpp.
+// Facts only; what follows from them is decided in common/plans/supported.cpp.
 struct DeviceCaps {
     Api api = Api::vulkan;
     std::string name;       // "NVIDIA H200"

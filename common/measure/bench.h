@@ -10,7 +10,7 @@
 #include "common/cases/workload.h"
 #include "common/core/stats.h"
 #include "common/frame/backend.h"
-#include "common/plans/variant.h"
+#include "common/plans/plan.h"
 #include "common/scene/skin_cpu.h"
 
 namespace skinbench {

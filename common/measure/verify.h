@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "common/cases/workload.h"
-#include "common/plans/variant.h"
+#include "common/plans/plan.h"
 #include "common/scene/skin_cpu.h"
 
 namespace skinbench {

@@ -1,7 +1,7 @@
 // How each variant becomes passes; the functions behind the rows of variants().
 #pragma once
 
-#include "common/plans/variant.h"
+#include "common/plans/plan.h"
 
 namespace skinbench {
 

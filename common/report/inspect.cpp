@@ -11,7 +11,7 @@
 
 #include "common/codecs/packed.h"
 #include "common/core/parallel.h"
-#include "common/plans/variant.h"
+#include "common/plans/plan.h"
 #include "common/report/report.h"
 
 namespace skinbench {

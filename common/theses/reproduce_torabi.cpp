@@ -2,7 +2,7 @@
 #include <format>
 #include <limits>
 
-#include "common/plans/variant.h"
+#include "common/plans/plan.h"
 #include "common/report/report.h"
 #include "common/theses/reproduce_parts.h"
 

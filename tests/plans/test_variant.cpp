@@ -4,7 +4,7 @@
 #include <catch2/catch_test_macros.hpp>
 #include <catch2/matchers/catch_matchers_string.hpp>
 
-#include "common/plans/variant.h"
+#include "common/plans/plan.h"
 #include "tests/cases.h"
 
 using namespace skinbench;

@@ -1,4 +1,4 @@
-#include "common/plans/variant.h"
+#include "common/plans/plan.h"
 
 #include <algorithm>
 #include <format>
