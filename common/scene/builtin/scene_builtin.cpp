@@ -10,7 +10,8 @@ namespace {
 
 using MakeCharacter = Scene (*)(uint32_t vertices, uint32_t seed);
 
-constexpr std::array<MakeCharacter, 3> kMakers = {builtin::makeBiped, builtin::makeRobot, builtin::makeCreature};
+constexpr std::array<MakeCharacter, 4> kMakers = {builtin::makeBiped, builtin::makeRobot, builtin::makeCreature,
+                                                   builtin::makeBlended};
 
 // One planar projection for the whole character, seen from the front, or from above where it is flatter than wide.
 // Without a seam no vertex has to be split.
@@ -39,6 +40,7 @@ const std::vector<BuiltinScene>& builtinScenes() {
         {"biped", "an organic humanoid, about 1.9 influences a vertex", 60'000},
         {"robot", "a humanoid of rigid parts, one influence a vertex", 20'000},
         {"creature", "an octopus of 128 joints, about 2.2 influences a vertex", 40'000},
+        {"blended", "the biped with four influences for every vertex", 60'000},
     };
     return scenes;
 }
