@@ -67,6 +67,7 @@ private:
 
     std::unique_ptr<Context> context_;  // first, so that it goes last
     Staging staging_;
+    DeviceMemory memory_;
     ProgramCache programs_;
     std::map<PlanId, GlPlan> plans_;
     std::map<std::pair<uint32_t, uint32_t>, GlTargets> targets_;
@@ -143,7 +144,7 @@ Result<PlanId> GlBackend::prepare(const FramePlan& plan) {
         if ((stream.use & useStorage) && stream.slot >= storageBindings_)
             return deviceError(std::format("{}: slot {} needs more than the {} storage bindings of {}", plan.label,
                                            stream.slot, storageBindings_, caps().name));
-    auto made = makeGlPlan(plan, programs_, staging_);
+    auto made = makeGlPlan(plan, programs_, staging_, memory_);
     SKINBENCH_TRY(checkLost());
     SKINBENCH_TRY(made);
     std::pair size{plan.width, plan.height};

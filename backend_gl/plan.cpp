@@ -33,7 +33,7 @@ GlVertexArray makeVertexArray(const Program& program, const GlPlan& plan) {
 
 }  // namespace
 
-Result<GlPlan> makeGlPlan(const FramePlan& plan, ProgramCache& programs, Staging& staging) {
+Result<GlPlan> makeGlPlan(const FramePlan& plan, ProgramCache& programs, Staging& staging, DeviceMemory& memory) {
     GlPlan made;
     made.shape = planShape(plan);
     std::vector<LinkedProgram> linked;
@@ -44,7 +44,7 @@ Result<GlPlan> makeGlPlan(const FramePlan& plan, ProgramCache& programs, Staging
     }
     for (const Stream& stream : plan.streams) {
         uint64_t bytes = streamBytes(stream);
-        auto buffer = makeBuffer(bytes, std::format("{}: slot {}", plan.label, stream.slot));
+        auto buffer = memory.make(bytes, std::format("{}: slot {}", plan.label, stream.slot));
         SKINBENCH_TRY(buffer);
         if (stream.bytes)
             staging.write(*buffer, 0, bytes,

@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-#include "backend_gl/memory.h"
+#include "backend_gl/device_memory.h"
 #include "backend_gl/program.h"
 #include "common/frame/check_plan.h"
 
@@ -22,7 +22,7 @@ struct GlPlan {
 };
 
 // Compiles and uploads. What was allocated before a failure is freed again.
-Result<GlPlan> makeGlPlan(const FramePlan& plan, ProgramCache& programs, Staging& staging);
+Result<GlPlan> makeGlPlan(const FramePlan& plan, ProgramCache& programs, Staging& staging, DeviceMemory& memory);
 
 // The targets of one size, shared by all plans of that size.
 struct GlTargets {
