@@ -1,9 +1,13 @@
+#include <format>
+
 #include "apps/apps.h"
 #include "common/core/file.h"
 #include "common/frame/image.h"
 
 namespace skinbench {
 namespace {
+
+constexpr size_t kMostPictures = 8;
 
 // What a view needs of a case beyond what the route needs.
 Result<void> checkView(const Case& c) {
@@ -18,7 +22,8 @@ Result<void> checkView(const Case& c) {
     return {};
 }
 
-Result<Case> chosenCase(const RenderOptions& options) {
+// Those that the words cross, in the order of ids.
+Result<std::vector<Case>> chosenCases(const RenderOptions& options) {
     Case scratch;
     if (!options.view.empty()) SKINBENCH_TRY(findAxis("view")->set(scratch, options.view));
     Selectors selectors = options.selectors;
@@ -43,31 +48,42 @@ Result<Case> chosenCase(const RenderOptions& options) {
     }
     auto cases = selectedCases(selectors);
     SKINBENCH_TRY(cases);
-    Case c = cases->front();
-    if (options.view.empty()) return c;
-    SKINBENCH_TRY(findAxis("view")->set(c, options.view));
-    return c;
+    if (cases->size() > kMostPictures)
+        return inputError(std::format("{} cases are more pictures than one file takes side by side ({}); name fewer",
+                                      cases->size(), kMostPictures));
+    for (Case& c : *cases) {
+        if (!options.view.empty()) SKINBENCH_TRY(findAxis("view")->set(c, options.view));
+        if (c.route->api == Api::cpu) return deviceError("route cpu draws nothing; name another with --route");
+        SKINBENCH_TRY(checkView(c));
+    }
+    return cases;
 }
 
 Result<Image> render(RenderOptions options) {
     if (options.selectors.copies == 0) options.selectors.copies = 1;
     auto settings = workloadSettings(options.selectors, false);
     SKINBENCH_TRY(settings);
-    auto chosen = chosenCase(options);
-    SKINBENCH_TRY(chosen);
-    const Case& c = *chosen;
-    if (c.route->api == Api::cpu) return deviceError("route cpu draws nothing; name another with --route");
-    SKINBENCH_TRY(checkView(c));
+    auto cases = chosenCases(options);
+    SKINBENCH_TRY(cases);
+    std::vector<const Route*> needed;
+    for (const Case& c : *cases) needed.push_back(c.route);
 
     settings->yaw = settings->copies == 1 ? options.yaw : 0;
-    auto devices = openDevices({c.route}, {options.selectors.device, options.selectors.validation});
+    auto devices = openDevices(needed, {options.selectors.device, options.selectors.validation});
     SKINBENCH_TRY(devices);
-    const OpenBackend& open = devices->byApi[c.route->api];
-    if (!open.backend) return deviceError(open.missing);
     auto workload = openWorkload(options.selectors.scene, *settings);
     SKINBENCH_TRY(workload);
-    if (const std::string outside = viewWarning(*workload, c.influences); !outside.empty()) warn(outside);
-    return renderImage(*workload, c, *open.backend);
+    if (const auto outside = viewWarning(*workload, cases->front().influences); !outside.empty()) warn(outside);
+    std::vector<Image> images;
+    for (const Case& c : *cases) {
+        const OpenBackend& open = devices->byApi[c.route->api];
+        if (!open.backend) return deviceError(open.missing);
+        auto image = renderImage(*workload, c, *open.backend);
+        SKINBENCH_TRY(image);
+        images.push_back(std::move(*image));
+        if (cases->size() > 1) say(std::format("picture {}: {}", images.size(), caseId(c)));
+    }
+    return sideBySide(images);
 }
 
 }  // namespace

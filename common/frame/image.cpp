@@ -27,6 +27,22 @@ Result<void> savePng(const Image& image, const std::string& path) {
     return writeWholeFile(path, bytes);
 }
 
+Image sideBySide(const std::vector<Image>& images) {
+    Image all;
+    for (const Image& image : images) {
+        SKINBENCH_ASSERT(image.height == images.front().height);
+        all.width += image.width;
+        all.height = image.height;
+    }
+    all.rgba.reserve(size_t{all.width} * all.height * 4);
+    for (uint32_t row = 0; row < all.height; ++row)
+        for (const Image& image : images) {
+            const auto first = image.rgba.begin() + static_cast<std::ptrdiff_t>(size_t{row} * image.width * 4);
+            all.rgba.insert(all.rgba.end(), first, first + static_cast<std::ptrdiff_t>(size_t{image.width} * 4));
+        }
+    return all;
+}
+
 ImageDifference compareImages(const Image& a, const Image& b, uint32_t threshold) {
     if (a.width != b.width || a.height != b.height || a.rgba.size() != b.rgba.size()) return {1, 255};
     ImageDifference difference;

@@ -9,6 +9,9 @@ namespace skinbench {
 
 Result<void> savePng(const Image& image, const std::string& path);
 
+// Images of one height from left to right; a single one as it is.
+Image sideBySide(const std::vector<Image>& images);
+
 // Pixels that differ by more than `threshold` in some channel, as a fraction of all pixels, and the largest
 // difference of any channel. Images of different size differ everywhere (fraction 1).
 struct ImageDifference {

@@ -106,3 +106,12 @@ TEST_CASE("an image that cannot be saved is an error with the path") {
     REQUIRE(!saved);
     CHECK(saved.error().text.starts_with(below + ": "));
 }
+
+TEST_CASE("images stand side by side, row by row") {
+    const Image a{1, 2, {1, 1, 1, 1, 2, 2, 2, 2}}, b{2, 2, {3, 3, 3, 3, 4, 4, 4, 4, 5, 5, 5, 5, 6, 6, 6, 6}};
+    const Image both = sideBySide({a, b});
+    CHECK(both.width == 3);
+    CHECK(both.height == 2);
+    CHECK(both.rgba == std::vector<uint8_t>{1, 1, 1, 1, 3, 3, 3, 3, 4, 4, 4, 4, 2, 2, 2, 2, 5, 5, 5, 5, 6, 6, 6, 6});
+    CHECK(sideBySide({a}).rgba == a.rgba);
+}
