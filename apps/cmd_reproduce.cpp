@@ -21,6 +21,7 @@ AxisWords plainWords(const Selectors& given) {
     AxisWords words;
     words["route"] = given.words.at("route");
     words["raster"] = presetRasters(given);
+    words["zero_weights"] = {"load"};  // as the programs of the theses do
     return words;
 }
 
@@ -232,8 +233,7 @@ int runReproduce(const ReproduceOptions& options) {
     if (!runs) return reportError(runs.error());
 
     std::vector<std::string> names = options.scenes;
-    if (names.empty())
-        for (const BuiltinScene& builtin : builtinScenes()) names.push_back(std::string("builtin:") + builtin.name);
+    if (names.empty()) names = {"builtin:biped", "builtin:robot", "builtin:creature"};
     std::vector<Workload> workloads;
     for (const std::string& name : names) {
         auto workload = openWorkload(name, *settings);

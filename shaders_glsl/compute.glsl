@@ -7,16 +7,21 @@
 
 layout(local_size_x = COMPUTE_GROUP) in;
 
-#if SKINNED_TANGENT
+#if SHORT_TANGENT
+#include "octahedral.glsl"
+
+layout(std430, binding = SLOT_TANGENT) readonly restrict buffer TangentBlock { uint tangents[]; };
+layout(std430, binding = SLOT_SKINNED_TANGENT) writeonly restrict buffer SkinnedTangentBlock { uint skinnedTangents[]; };
+#elif SKINNED_TANGENT
 layout(std430, binding = SLOT_TANGENT) readonly restrict buffer TangentBlock { vec4 tangents[]; };
 #endif
 
 // Copies the palette of the copy to shared memory, a row an invocation.
 void stagePalette(uint copyNumber) {
 #if STAGED_JOINTS
-    uint first = FIRST_JOINT(copyNumber) * 3u;
-    for (uint row = gl_LocalInvocationID.x; row < uint(STAGED_JOINTS * 3); row += uint(COMPUTE_GROUP))
-        stagedRows[row] = paletteRows[first + row];
+    uint first = FIRST_JOINT(copyNumber) * uint(PALETTE_ROWS);
+    for (uint row = gl_LocalInvocationID.x; row < uint(STAGED_JOINTS * PALETTE_ROWS); row += uint(COMPUTE_GROUP))
+        stagedRows[row] = paletteRow(first + row);
     memoryBarrierShared();
     barrier();
 #endif
@@ -36,15 +41,15 @@ bool skipsFrame(uint copyNumber) {
 // Weights descend, so what follows once they sum to 1, up to the rounding of eight floats, adds nothing.
 Blend blendUntilWhole(Vertex vertex, uint copyNumber) {
     const float whole = 1.0 - 2.5e-7;
-    Blend blend = Blend(vec4(0.0), vec4(0.0), vec4(0.0));
+    Blend blend = startBlend(vertex, copyNumber);
     float sum = 0.0;
     for (uint i = 0u; i < 4u && sum < whole; ++i) {
-        addInfluence(blend, (vertex.joints0[i] + SKIN_FIRST_JOINT(copyNumber)) * 3u, vertex.weights0[i]);
+        addInfluence(blend, (vertex.joints0[i] + SKIN_FIRST_JOINT(copyNumber)) * uint(PALETTE_ROWS), vertex.weights0[i]);
         sum += vertex.weights0[i];
     }
 #if INFLUENCES == 8
     for (uint i = 0u; i < 4u && sum < whole; ++i) {
-        addInfluence(blend, (vertex.joints1[i] + SKIN_FIRST_JOINT(copyNumber)) * 3u, vertex.weights1[i]);
+        addInfluence(blend, (vertex.joints1[i] + SKIN_FIRST_JOINT(copyNumber)) * uint(PALETTE_ROWS), vertex.weights1[i]);
         sum += vertex.weights1[i];
     }
 #endif
@@ -69,11 +74,14 @@ void main() {
 #if EARLY_EXIT
     Blend blend = blendUntilWhole(vertex, copyNumber);
 #else
-    Blend blend = blendJoints(vertex, copyNumber);
+    Blend blend = blendJoints(vertex, copyNumber, uint(INFLUENCES));
 #endif
     Skinned skinned = transformVertex(blend, vertex);
     storeSkinned(place, skinned.position, skinned.normal, vertex.uv);
-#if SKINNED_TANGENT
+#if SHORT_TANGENT
+    vec4 tangent = unpackTangent(tangents[place]);
+    skinnedTangents[place] = packTangent(vec4(turned(blend, tangent.xyz), tangent.w));
+#elif SKINNED_TANGENT
     vec4 tangent = tangents[place];
     skinnedVertices[place].tangent = vec4(turned(blend, tangent.xyz), tangent.w);
 #endif
@@ -87,9 +95,11 @@ void main() {
 #include "vertex_io.glsl"
 #include "capture.glsl"
 
-#if SKINNED_PACKED
+#if SKINNED_PACKED || SHORT_TANGENT
 #include "octahedral.glsl"
+#endif
 
+#if SKINNED_PACKED
 layout(location = 0) in uvec4 attributePositionNormal;
 #else
 layout(location = 0) in vec4 attributePositionU;
@@ -98,7 +108,9 @@ layout(location = 1) in vec4 attributeNormalV;
 #if SKINNED_PREVIOUS
 layout(location = 2) in vec4 attributePrevious;
 #endif
-#if SKINNED_TANGENT
+#if SHORT_TANGENT
+layout(std430, binding = SLOT_SKINNED_TANGENT) readonly restrict buffer SkinnedTangentBlock { uint skinnedTangents[]; };
+#elif SKINNED_TANGENT
 layout(location = 3) in vec4 attributeTangent;
 #endif
 
@@ -134,7 +146,9 @@ void main() {
     surface.color = velocityColor(length(motion));
 #endif
 #endif
-#if SKINNED_TANGENT
+#if SHORT_TANGENT
+    surface.tangent = unpackTangent(skinnedTangents[VERTEX_INDEX]);
+#elif SKINNED_TANGENT
     surface.tangent = attributeTangent;
 #endif
 #endif

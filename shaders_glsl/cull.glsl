@@ -6,8 +6,9 @@
 //   CULL_TORABI     determinant of (x, y, w) once all outputs are written (Torabi 5.1.3); EXT drops with
 //                   gl_CullPrimitiveEXT, NV by compaction. Loses visible micro triangles: cancellation.
 //
-// Lanes exchange positions through shared memory or, compacting, by shuffles (EXCHANGE_SHUFFLE; right only where one
-// subgroup is the work group). Outputs are never read.
+// Lanes see each other's positions through shared memory or, where one subgroup is the work group, by shuffles
+// (EXCHANGE_SHUFFLE, for CULL_COMPACT) or in the outputs (EXCHANGE_OUTPUTS, for CULL_TORABI on NV, as Torabi's listing
+// does; EXT forbids to read them). Both of those count the triangles that are left by ballots.
 #include "meshlet.glsl"
 
 #define FOURS_OF_LANE uint((MESHLET_TRIANGLES + GROUP_SIZE * 4 - 1) / (GROUP_SIZE * 4))
@@ -24,7 +25,7 @@ uint clampedFour(Meshlet meshlet, uint k) { return min(firstOfFour(k), (meshlet.
 // No atomics: NVIDIA's OpenGL compiler (580.159) dies of those on shared variables of mesh stages.
 #if EXCHANGE_SHUFFLE
 OFFERED offered[VERTICES_OF_LANE];
-#else
+#elif !EXCHANGE_OUTPUTS
 shared OFFERED offered[MESHLET_VERTICES];
 shared uint keptOfFours[FOURS_OF_LANE * GROUP_SIZE];
 #endif
@@ -33,6 +34,7 @@ shared uint keptOfFours[FOURS_OF_LANE * GROUP_SIZE];
 #define UNTRUSTED 1e30
 
 void offerVertex(uint i, uint k, vec4 clip) {
+#if !EXCHANGE_OUTPUTS
 #if CULL == CULL_TORABI
     OFFERED offer = clip.xyw;
 #else
@@ -44,6 +46,7 @@ void offerVertex(uint i, uint k, vec4 clip) {
 #else
     if (i < uint(MESHLET_VERTICES)) offered[i] = offer;
 #endif
+#endif
 }
 
 void finishOffers() {
@@ -54,7 +57,9 @@ void finishOffers() {
 }
 
 OFFERED offeredBy(uint vertex) {
-#if EXCHANGE_SHUFFLE
+#if EXCHANGE_OUTPUTS
+    return gl_MeshVerticesNV[vertex].gl_Position.xyw;
+#elif EXCHANGE_SHUFFLE
     OFFERED found = subgroupShuffle(offered[0], vertex % uint(GROUP_SIZE));
     UNROLL for (uint k = 1u; k < VERTICES_OF_LANE; ++k) {
         OFFERED other = subgroupShuffle(offered[k], vertex % uint(GROUP_SIZE));
@@ -94,7 +99,7 @@ uint keptOfFour(Meshlet meshlet, uint first, uvec3 words) {
 
 // --- compaction ---------------------------------------------------------------------------------------------------
 
-#if EXCHANGE_SHUFFLE
+#if EXCHANGE_SHUFFLE || EXCHANGE_OUTPUTS
 uint placeOfLane[FOURS_OF_LANE];
 uint counted = 0u;
 

@@ -32,10 +32,10 @@ uvec4 fourLocalJoints(Meshlet meshlet, uint firstWord, uint i, uint four) {
 // Copies the palette rows of the meshlet's joints to shared memory, a row a lane.
 void stageJoints(Meshlet meshlet) {
 #if JOINTS == JOINTS_STAGED && !REUSE_SKINNED
-    uint rows = jointCount(meshlet) * 3u;
+    uint rows = jointCount(meshlet) * uint(PALETTE_ROWS);
     for (uint row = gl_LocalInvocationID.x; row < rows; row += uint(GROUP_SIZE)) {
-        uint joint = listedJoint(meshlet, row / 3u) + FIRST_JOINT(meshlet.copyNumber);
-        stagedRows[row] = paletteRows[joint * 3u + row % 3u];
+        uint joint = listedJoint(meshlet, row / uint(PALETTE_ROWS)) + FIRST_JOINT(meshlet.copyNumber);
+        stagedRows[row] = paletteRow(joint * uint(PALETTE_ROWS) + row % uint(PALETTE_ROWS));
     }
     memoryBarrierShared();
     barrier();
@@ -89,7 +89,7 @@ LaneVertex makeVertex(Meshlet meshlet, uint i) {
 #else
     Vertex vertex = fetchVertex(meshlet, i, made.id);
 #if SKINNING
-    made.skinned = skinVertex(vertex, meshlet.copyNumber);
+    made.skinned = skinVertex(vertex, meshlet.copyNumber, meshlet.influences);
 #else
     made.skinned = keepVertex(vertex);
 #endif

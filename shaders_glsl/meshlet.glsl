@@ -21,6 +21,7 @@ struct Meshlet {
     uint copyNumber;
     uint vertexCount;
     uint triangleCount;
+    uint influences;     // the last one of a vertex that weighs anything, counted from 1; else INFLUENCES
     bool sharesList;     // its vertices share one joint list
     uint firstId;        // word of the first vertex id
     uint firstIndex;     // word of the first local indices
@@ -66,7 +67,12 @@ Meshlet loadMeshlet() {
 #endif
     meshlet.vertexCount = bitfieldExtract(counts, 0, 13);
     meshlet.blendBytes = bitfieldExtract(counts, 13, 3);
-    meshlet.triangleCount = bitfieldExtract(counts, 16, 15);
+    meshlet.triangleCount = bitfieldExtract(counts, 16, 11);
+#if ZERO_WEIGHTS == ZERO_WEIGHTS_COUNT
+    meshlet.influences = bitfieldExtract(counts, 27, 4);
+#else
+    meshlet.influences = uint(INFLUENCES);
+#endif
     meshlet.sharesList = counts >= 0x80000000u;
 #if RECORDS_ORDERED
     meshlet.firstIndex = meshlet.firstId;

@@ -8,7 +8,7 @@
 
 // Storage blocks. No stage has more than eight, the number that OpenGL 4.5 guarantees a stage that has any: those that
 // draw meshlets have no tangents.
-#define SLOT_PALETTE 1  // 3 rows (vec4) a joint, joint after joint, copy after copy
+#define SLOT_PALETTE 1  // rows of the joints (common/scene/palette_rows.h), joint after joint, copy after copy
 #define SLOT_VERTEX 2   // encoded vertices of one codec, copy after copy
 #define SLOT_MESHLET 3  // meshlet descriptors
 #define SLOT_MESHLET_DATA 4   // vertex ids and packed local indices
@@ -16,18 +16,21 @@
 #define SLOT_TUPLE 6          // joint tuples
 #define SLOT_SKINNED 7        // SkinnedVertex, written by one pass and read by the next
 #define SLOT_CAPTURE 8        // SkinnedVertex, written by verifying plans only
-#define SLOT_TANGENT 9        // a unit tangent for each vertex (vec4, w: 1 or -1, the side of the bitangent)
+#define SLOT_TANGENT 9        // a unit tangent for each vertex (vec4, w: 1 or -1, the side of the bitangent), or a word
+                              // by packTangent (octahedral.glsl)
+#define SLOT_SKINNED_TANGENT 11  // such words, written by one pass and read by the next
 
 // Not a block of any stage.
 #define SLOT_INDEX 10  // 32-bit index buffer
 
-#define SLOT_COUNT 11
+#define SLOT_COUNT 12
 
 // Invocations of a work group.
 #define COMPUTE_GROUP 64  // compute.glsl, a vertex each
 #define COPY_GROUP 256    // copy.glsl, 16 bytes each
 
-// Values of the defines VIEW, CULL and JOINTS, and of the enums View, Cull and JointSource of common/plans/case.h.
+// Values of the defines VIEW, CULL, JOINTS, METHOD and ZERO_WEIGHTS, and of the enums View, Cull, JointSource, Method and
+// ZeroWeights.
 #define VIEW_SHADED 0
 #define VIEW_MESHLETS 1
 #define VIEW_WEIGHTS 2
@@ -41,6 +44,11 @@
 #define JOINTS_VERTEX 0
 #define JOINTS_MESHLET 1
 #define JOINTS_STAGED 2
+#define METHOD_LBS 0
+#define METHOD_DQS 1
+#define ZERO_WEIGHTS_LOAD 0
+#define ZERO_WEIGHTS_SKIP 1
+#define ZERO_WEIGHTS_COUNT 2
 
 #ifdef __cplusplus
 #include <cstdint>

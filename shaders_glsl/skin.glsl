@@ -1,23 +1,46 @@
-// Linear blend skinning: blend the 3x4 joint matrices, transform once. The same loads and the same order of additions
-// in every variant on every API.
+// Skinning: the joints' transforms are blended by the weights, and the vertex is moved once. The same loads and the same
+// order of additions in every variant on every API. METHOD says how transforms are blended.
 #include "frame.glsl"
 
-// Three rows a joint. As a uniform block a draw sees the joints of its own copy only.
-#if PALETTE_UNIFORM
-layout(std140, binding = SLOT_PALETTE) uniform PaletteBlock { vec4 paletteRows[JOINT_COUNT * 3]; };
-#define FIRST_JOINT(copyNumber) 0u
+// PALETTE_ROWS rows a joint, of four floats or, with PALETTE_HALF, of four half floats. As a uniform block a draw sees
+// the joints of its own copy only; std140 asks for 16 bytes an element, so that two rows of halves share one.
+#if PALETTE_UNIFORM && PALETTE_HALF
+layout(std140, binding = SLOT_PALETTE) uniform PaletteBlock { uvec4 paletteRows[(JOINT_COUNT * PALETTE_ROWS + 1) / 2]; };
+#elif PALETTE_UNIFORM
+layout(std140, binding = SLOT_PALETTE) uniform PaletteBlock { vec4 paletteRows[JOINT_COUNT * PALETTE_ROWS]; };
+#elif PALETTE_HALF
+layout(std430, binding = SLOT_PALETTE) readonly restrict buffer PaletteBlock { uvec2 paletteRows[]; };
 #else
 layout(std430, binding = SLOT_PALETTE) readonly restrict buffer PaletteBlock { vec4 paletteRows[]; };
+#endif
+
+#if PALETTE_HALF
+vec4 paletteRow(uint i) {
+#if PALETTE_UNIFORM
+    uvec4 two = paletteRows[i / 2u];
+    uvec2 row = (i & 1u) == 0u ? two.xy : two.zw;
+#else
+    uvec2 row = paletteRows[i];
+#endif
+    return vec4(unpackHalf2x16(row.x), unpackHalf2x16(row.y));
+}
+#else
+#define paletteRow(i) paletteRows[i]
+#endif
+
+#if PALETTE_UNIFORM
+#define FIRST_JOINT(copyNumber) 0u
+#else
 #define FIRST_JOINT(copyNumber) ((copyNumber) * uint(JOINT_COUNT))
 #endif
 
 // The rows of the joints that a work group uses, where it copies them first.
 #if STAGED_JOINTS
-shared vec4 stagedRows[STAGED_JOINTS * 3];
+shared vec4 stagedRows[STAGED_JOINTS * PALETTE_ROWS];
 #define SKIN_ROW(i) stagedRows[i]
 #define SKIN_FIRST_JOINT(copyNumber) 0u
 #else
-#define SKIN_ROW(i) paletteRows[i]
+#define SKIN_ROW(i) paletteRow(i)
 #define SKIN_FIRST_JOINT(copyNumber) FIRST_JOINT(copyNumber)
 #endif
 
@@ -26,49 +49,46 @@ struct Skinned {
     vec3 normal;
 };
 
-struct Blend {
-    vec4 row0;
-    vec4 row1;
-    vec4 row2;
-};
+// A file of these two defines
+//
+//   Blend startBlend(Vertex vertex, uint copyNumber)
+//   void addJoint(inout Blend blend, uint firstRow, float weight)
+//   vec3 turned(Blend blend, vec3 n)                         unit length
+//   Skinned transformVertex(Blend blend, Vertex vertex)
+#if METHOD == METHOD_DQS
+#include "skin_dual.glsl"
+#else
+#include "skin_linear.glsl"
+#endif
 
 void addInfluence(inout Blend blend, uint firstRow, float weight) {
-    blend.row0 += weight * SKIN_ROW(firstRow);
-    blend.row1 += weight * SKIN_ROW(firstRow + 1u);
-    blend.row2 += weight * SKIN_ROW(firstRow + 2u);
+#if ZERO_WEIGHTS == ZERO_WEIGHTS_SKIP
+    if (weight <= 1e-7) return;
+#endif
+    addJoint(blend, firstRow, weight);
 }
 
-void addFour(inout Blend blend, uint copyNumber, uvec4 joints, vec4 weights) {
-    uvec4 rows = (joints + SKIN_FIRST_JOINT(copyNumber)) * 3u;
-    addInfluence(blend, rows.x, weights.x);
-    addInfluence(blend, rows.y, weights.y);
-    addInfluence(blend, rows.z, weights.z);
-    addInfluence(blend, rows.w, weights.w);
+// The first `count` of four influences; a constant 4 leaves no test.
+void addFour(inout Blend blend, uint copyNumber, uvec4 joints, vec4 weights, uint count) {
+    uvec4 rows = (joints + SKIN_FIRST_JOINT(copyNumber)) * uint(PALETTE_ROWS);
+    if (count > 0u) addInfluence(blend, rows.x, weights.x);
+    if (count > 1u) addInfluence(blend, rows.y, weights.y);
+    if (count > 2u) addInfluence(blend, rows.z, weights.z);
+    if (count > 3u) addInfluence(blend, rows.w, weights.w);
 }
 
-Blend blendJoints(Vertex vertex, uint copyNumber) {
-    Blend blend = Blend(vec4(0.0), vec4(0.0), vec4(0.0));
-    addFour(blend, copyNumber, vertex.joints0, vertex.weights0);
+Blend blendJoints(Vertex vertex, uint copyNumber, uint count) {
+    Blend blend = startBlend(vertex, copyNumber);
+    addFour(blend, copyNumber, vertex.joints0, vertex.weights0, count);
 #if INFLUENCES == 8
-    addFour(blend, copyNumber, vertex.joints1, vertex.weights1);
+    addFour(blend, copyNumber, vertex.joints1, vertex.weights1, max(count, 4u) - 4u);
 #endif
     return blend;
 }
 
-vec3 turned(Blend blend, vec3 n) {
-    return normalize(vec3(dot(blend.row0.xyz, n), dot(blend.row1.xyz, n), dot(blend.row2.xyz, n)));
-}
-
-Skinned transformVertex(Blend blend, Vertex vertex) {
-    vec4 p = vec4(vertex.position, 1.0);
-    Skinned skinned;
-    skinned.position = vec3(dot(blend.row0, p), dot(blend.row1, p), dot(blend.row2, p));
-    skinned.normal = turned(blend, vertex.normal);
-    return skinned;
-}
-
-Skinned skinVertex(Vertex vertex, uint copyNumber) {
-    return transformVertex(blendJoints(vertex, copyNumber), vertex);
+// `count`: the influences that may weigh anything, INFLUENCES where nothing better is known.
+Skinned skinVertex(Vertex vertex, uint copyNumber, uint count) {
+    return transformVertex(blendJoints(vertex, copyNumber, count), vertex);
 }
 
 // The `none` variant: what the others do without skinning.

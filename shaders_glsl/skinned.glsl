@@ -15,7 +15,7 @@ struct SkinnedVertex {
 #if SKINNED_PREVIOUS
     vec4 previous;  // xyz: position one update ago
 #endif
-#if SKINNED_TANGENT
+#if SKINNED_TANGENT && !SHORT_TANGENT
     vec4 tangent;  // w as in SLOT_TANGENT
 #endif
 };

@@ -22,7 +22,7 @@ void main() {
     Vertex vertex = loadAttributes();
 #endif
 #if SKINNING
-    Skinned skinned = skinVertex(vertex, copyNumber);
+    Skinned skinned = skinVertex(vertex, copyNumber, uint(INFLUENCES));
 #else
     Skinned skinned = keepVertex(vertex);
 #endif

@@ -118,6 +118,12 @@ static Result<EncodedMesh> encode(const Case& c, const Mesh& mesh, const PlanInp
     return encoded;
 }
 
+static PaletteForm paletteForm(Workload& workload, const Case& c, const Scene& scene) {
+    if (c.method == Method::lbs) return {c.method, c.paletteRows};
+    if (!workload.stretches) workload.stretches = stretches(scene, chosenClip(workload));
+    return {c.method, c.paletteRows, *workload.stretches};
+}
+
 Result<PlanInput> planInput(Workload& workload, const Case& c) {
     PlanInput input;
     input.shaders = &workload.shaders;
@@ -128,6 +134,7 @@ Result<PlanInput> planInput(Workload& workload, const Case& c) {
     auto scene = sceneFor(workload, c.influences);
     SKINBENCH_TRY(scene);
     input.scene = *scene;
+    input.palette = paletteForm(workload, c, **scene);
     auto records = recordsFor(workload, c, **scene);
     SKINBENCH_TRY(records);
     input.records = *records;
@@ -171,11 +178,14 @@ Result<FrameData> makeFrame(Workload& workload, int influences, uint32_t frame) 
     return data;
 }
 
-// As placeCopy of shaders_glsl/frame.glsl and the clipping behind it.
-static bool isInView(const FrameConstants& constants, uint32_t copy, const glm::dvec3& position) {
+glm::dvec4 clipPosition(const FrameConstants& constants, uint32_t copy, const glm::dvec3& position) {
     const auto columns = static_cast<uint32_t>(constants.grid.x);
     const glm::dvec3 offset(copy % columns * constants.grid.y, -(copy / columns * constants.grid.z), 0);
-    const glm::dvec4 clip = glm::dmat4(constants.viewProjection) * glm::dvec4(position + offset, 1);
+    return glm::dmat4(constants.viewProjection) * glm::dvec4(position + offset, 1);
+}
+
+static bool isInView(const FrameConstants& constants, uint32_t copy, const glm::dvec3& position) {
+    const glm::dvec4 clip = clipPosition(constants, copy, position);
     return clip.w > 0 && std::abs(clip.x) <= clip.w && std::abs(clip.y) <= clip.w && clip.z >= 0 && clip.z <= clip.w;
 }
 
@@ -209,16 +219,30 @@ Result<double> shareOutOfView(Workload& workload, int influences) {
     return static_cast<double>(outside) / (static_cast<double>(copies) * static_cast<double>(mesh.positions.size()));
 }
 
-std::vector<std::byte> blockedPalettes(const FrameData& frame, uint32_t copies, const PaletteBlocks& blocks) {
-    const size_t joints = frame.palettes.size() / copies, blocksOfCopy = blocks.joints.size() / blocks.size;
-    const uint64_t stride = blocks.stride();
-    std::vector<std::byte> bytes(stride * blocksOfCopy * copies);
-    for (uint32_t copy = 0; copy < copies; ++copy)
-        for (size_t i = 0; i < blocks.joints.size(); ++i) {
-            if (blocks.joints[i] == kNoJoint) continue;
-            std::byte* block = &bytes[(copy * blocksOfCopy + i / blocks.size) * stride];
-            std::memcpy(block + i % blocks.size * sizeof(PaletteEntry),
-                        &frame.palettes[copy * joints + blocks.joints[i]], sizeof(PaletteEntry));
+Result<std::vector<std::byte>> paletteBytes(const PlanInput& input, const std::optional<PaletteBlocks>& blocks,
+                                            const FrameData& frame) {
+    const uint32_t phases = std::min(input.copies, kPhases), bytesOfJoint = input.palette.bytesOfJoint();
+    std::vector<std::vector<std::byte>> posed(phases);
+    for (uint32_t phase = 0; phase < phases; ++phase) {
+        const auto rows = paletteRows(input.scene->skeleton, paletteOfCopy(frame, input.copies, phase), input.palette);
+        SKINBENCH_TRY(rows);
+        appendRows(posed[phase], *rows, input.palette.format);
+    }
+    std::vector<std::byte> bytes;
+    if (!blocks) {
+        bytes.reserve(posed[0].size() * input.copies);
+        for (uint32_t copy = 0; copy < input.copies; ++copy)
+            bytes.insert(bytes.end(), posed[copy % phases].begin(), posed[copy % phases].end());
+        return bytes;
+    }
+    const size_t blocksOfCopy = blocks->joints.size() / blocks->size;
+    bytes.resize(blocks->stride() * blocksOfCopy * input.copies);
+    for (uint32_t copy = 0; copy < input.copies; ++copy)
+        for (size_t i = 0; i < blocks->joints.size(); ++i) {
+            if (blocks->joints[i] == kNoJoint) continue;
+            std::byte* block = &bytes[(copy * blocksOfCopy + i / blocks->size) * blocks->stride()];
+            std::memcpy(block + i % blocks->size * bytesOfJoint,
+                        &posed[copy % phases][size_t{blocks->joints[i]} * bytesOfJoint], bytesOfJoint);
         }
     return bytes;
 }

@@ -33,7 +33,8 @@ struct Workload {
     std::map<std::string, std::unique_ptr<MeshletMesh>> meshlets;
     std::map<std::string, std::unique_ptr<Records>> records;
     std::map<std::string, std::unique_ptr<EncodedMesh>> encoded;
-    std::map<int, Bounds> bounds;  // of the clip
+    std::map<int, Bounds> bounds;   // of the clip
+    std::optional<bool> stretches;  // whether joints of the clip do; known once a case asks
 };
 
 // Fails when the clip does not exist; the error names the clips that do.
@@ -57,11 +58,16 @@ struct FrameData {
 };
 Result<FrameData> makeFrame(Workload& workload, int influences, uint32_t frame);
 
+// As clipPosition of shaders_glsl/frame.glsl: a copy's skinned position before the division by w.
+glm::dvec4 clipPosition(const FrameConstants& constants, uint32_t copy, const glm::dvec3& position);
+
 // The share of all copies' vertices that the first frame places outside of the image, where nothing is rasterised.
 Result<double> shareOutOfView(Workload& workload, int influences);
 
-// The palettes of all copies as uniform blocks, each at a multiple of kPaletteAlignment.
-std::vector<std::byte> blockedPalettes(const FrameData& frame, uint32_t copies, const PaletteBlocks& blocks);
+// What FrameInput::palette brings for a plan of that input: the rows of all copies, or, with blocks, those of each
+// copy's blocks, each block at a multiple of kPaletteAlignment. Fails as paletteRows does.
+Result<std::vector<std::byte>> paletteBytes(const PlanInput& input, const std::optional<PaletteBlocks>& blocks,
+                                            const FrameData& frame);
 
 // One copy's part of FrameData::palettes.
 Palette paletteOfCopy(const FrameData& frame, uint32_t copies, uint32_t copy);

@@ -99,18 +99,18 @@ Result<std::vector<DrawnFrame>> drawFrames(Prepared& ready, std::span<const Fram
     for (size_t start = 0; start < frames.size(); start += batch) {
         double skin = 0;
         std::vector<FrameInput> inputs;
-        std::vector<std::vector<std::byte>> blocked;
+        std::vector<std::vector<std::byte>> palettes;  // what the inputs see
         for (const FrameData& frame : frames.subspan(start, std::min(batch, frames.size() - start))) {
             FrameInput input;
             input.constants = frame.constants;
             if (ready.host) {
                 skin = skinFrame(*ready.host, frame);
                 input.skinned = std::as_bytes(std::span(ready.host->out));
-            } else if (ready.blocks) {
-                blocked.push_back(blockedPalettes(frame, ready.input.copies, *ready.blocks));
-                input.palette = blocked.back();
             } else {
-                input.palette = std::as_bytes(std::span(frame.palettes));
+                auto bytes = paletteBytes(ready.input, ready.blocks, frame);
+                SKINBENCH_TRY(bytes);
+                palettes.push_back(std::move(*bytes));
+                input.palette = palettes.back();
             }
             inputs.push_back(input);
         }
@@ -218,7 +218,7 @@ Result<std::vector<FrameData>> framesToVerify(Runner& runner, const Case& c) {
 constexpr size_t kKeptReferences = 8'000'000;  // vertices, of both copies
 
 const References& referencesFor(Runner& runner, const Case& c, const PlanInput& input, const FrameData& frame) {
-    const std::pair key{input.encoded, c.variant->skins};
+    const std::tuple key{input.encoded, c.variant->skins, input.palette};
     if (auto known = runner.references.find(key); known != runner.references.end()) return known->second;
     size_t kept = size_t{input.encoded->vertexCount} * 2;
     for (const auto& [other, references] : runner.references)
@@ -231,10 +231,16 @@ constexpr double kNormalTolerance = 1e-3;  // positions off by their tolerance s
 
 Result<void> verifyKept(const BenchSettings& settings, const Case& c, const Prepared& ready,
                         const std::vector<FrameData>& frames) {
-    if (!c.compute.previous && !c.compute.tangents) return {};
+    if (!c.compute.previous && !c.compute.tangents && !c.compute.shortTangents) return {};
     auto records = ready.backend->readStream(*ready.plan, SLOT_SKINNED);
     SKINBENCH_TRY(records);
-    const KeptError error = keptError(c, ready.input, frames.front(), frames.back(), *records);
+    KeptBytes bytes{std::move(*records), {}};
+    if (c.compute.shortTangents) {
+        auto tangents = ready.backend->readStream(*ready.plan, SLOT_SKINNED_TANGENT);
+        SKINBENCH_TRY(tangents);
+        bytes.tangents = std::move(*tangents);
+    }
+    const KeptError error = keptError(c, ready.input, frames.front(), frames.back(), bytes);
     if (!(error.previous <= settings.tolerance))
         return deviceError(std::format("previous positions are off by {:.3g} of the diagonal (allowed: {:.3g})",
                                        error.previous, settings.tolerance));
@@ -254,13 +260,18 @@ Result<void> verifyDrawn(Runner& runner, CaseResult& result, Prepared& ready) {
     const CapturedError errors = capturedError(references, *captured);
     const SkinError* error = &errors.decoded;
     const std::optional<double>& bound = references.bound;
-    result.accuracy = Accuracy{errors.decoded, runner.settings.tolerance, errors.source, 0, {}, bound};
+    result.accuracy =
+        Accuracy{errors.decoded, runner.settings.tolerance, errors.source, 0, {}, bound, references.rowsError};
     if (!(error->position <= runner.settings.tolerance))
         return deviceError(std::format("positions are off by {:.3g} of the diagonal (allowed: {:.3g})", error->position,
                                        runner.settings.tolerance));
     if (!(error->normal <= kNormalTolerance))
         return deviceError(
             std::format("normals are off by {:.3g} rad (allowed: {:.3g})", error->normal, kNormalTolerance));
+    // What is left out must be rare, or the rest says little.
+    if (error->undecided * 20 > captured->size() / 2)
+        return deviceError(std::format("the sign of a quaternion is undecided for {} of {} vertices", error->undecided,
+                                       captured->size() / 2));
     if (bound && !(errors.source.position <= *bound + runner.settings.tolerance))
         return deviceError(std::format("codec {} moves positions by {:.3g} of the diagonal (its bound: {:.3g})",
                                        result.theCase.codec->name, errors.source.position, *bound));

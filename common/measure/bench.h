@@ -10,6 +10,7 @@
 #include "common/cases/workload.h"
 #include "common/core/stats.h"
 #include "common/frame/backend.h"
+#include "common/measure/verify.h"
 #include "common/plans/plan.h"
 #include "common/scene/skin_cpu.h"
 
@@ -39,10 +40,11 @@ enum class CaseStatus { ok, skipped, failed };
 struct Accuracy {
     SkinError error;  // against the decoded vertices, the larger of the two captured copies
     double tolerance = 0;
-    SkinError codecError;              // against the vertices before encoding
-    double imageDifference = 0;        // fraction of pixels that differ from the first image of the run
-    std::string imageReference;        // id of the case that made that image
-    std::optional<double> codecBound;  // what codecError.position may be at most; empty: the codec promises nothing
+    SkinError codecError;                // against the vertices before encoding
+    double imageDifference = 0;          // fraction of pixels that differ from the first image of the run
+    std::string imageReference;          // id of the case that made that image
+    std::optional<double> codecBound;    // what codecError.position may be at most; empty: the codec promises nothing
+    std::optional<RowsError> rowsError;  // of palettes in half floats
 };
 
 // What the samples of a case say, in milliseconds per frame for all copies.

@@ -32,9 +32,9 @@ struct Runner {
     const BenchSettings& settings;
     const BenchEvents& events;
     std::vector<CaseResult> results;
-    std::map<std::string, std::pair<std::string, Image>> firstImages;      // by pictureOf
-    std::map<std::string, size_t> verifiedAs;                              // keyOf the plan -> result
-    std::map<std::pair<const EncodedMesh*, bool>, References> references;  // of frame 0; bool: skinned
+    std::map<std::string, std::pair<std::string, Image>> firstImages;                    // by pictureOf
+    std::map<std::string, size_t> verifiedAs;                                            // keyOf the plan -> result
+    std::map<std::tuple<const EncodedMesh*, bool, PaletteForm>, References> references;  // of frame 0; bool: skinned
 };
 
 struct DrawnFrame {

@@ -11,18 +11,62 @@
 namespace skinbench {
 
 static SkinError larger(const SkinError& a, const SkinError& b) {
-    return {std::max(a.position, b.position), std::max(a.normal, b.normal)};
+    return {std::max(a.position, b.position), std::max(a.normal, b.normal), std::max(a.undecided, b.undecided)};
 }
 
-static SkinnedReference referenceOf(const Case& c, const Mesh& mesh, const Palette& palette) {
-    if (c.variant->skins) return skinReference(mesh, palette);
-    return {{mesh.positions.begin(), mesh.positions.end()}, {mesh.normals.begin(), mesh.normals.end()}};
+static std::vector<glm::vec4> rowsOf(const PlanInput& input, const Palette& palette, const PaletteForm& form) {
+    auto rows = paletteRows(input.scene->skeleton, palette, form);
+    SKINBENCH_ASSERT(rows);  // the frame was drawn with them
+    return std::move(*rows);
+}
+
+static SkinnedReference skinned(const PlanInput& input, const Mesh& mesh, const Palette& palette) {
+    if (input.palette == PaletteForm{}) return skinReference(mesh, palette);
+    return skinReference(mesh, rowsOf(input, palette, input.palette), input.palette);
+}
+
+static SkinnedReference referenceOf(const Case& c, const PlanInput& input, const Mesh& mesh, const Palette& palette) {
+    if (c.variant->skins) return skinned(input, mesh, palette);
+    return {{mesh.positions.begin(), mesh.positions.end()}, {mesh.normals.begin(), mesh.normals.end()}, {}};
+}
+
+// The joints as linear blending with rounded rows moves them.
+static Palette rounded(const PlanInput& input, const Palette& palette) {
+    const std::vector<glm::vec4> rows = rowsOf(input, palette, {Method::lbs, input.palette.format});
+    Palette moved(palette.size());
+    for (size_t i = 0; i < rows.size(); ++i) moved[i / 3].rows[i % 3] = rows[i];
+    return moved;
+}
+
+// What `copy` of the case moves by because its rows are rounded.
+static RowsError rowsErrorOf(const PlanInput& input, const FrameData& frame, uint32_t copy, double scale) {
+    PaletteForm exact = input.palette;
+    exact.format = RowFormat::f32;
+    const Mesh& mesh = input.scene->mesh;
+    const Palette palette = paletteOfCopy(frame, input.copies, copy);
+    const SkinnedReference a = skinReference(mesh, rowsOf(input, palette, exact), exact);
+    const SkinnedReference b = skinReference(mesh, rowsOf(input, palette, input.palette), input.palette);
+    const glm::dvec2 half(input.width / 2.0, input.height / 2.0);
+    RowsError worst;
+    for (size_t v = 0; v < a.positions.size(); ++v) {
+        if (!a.undecided.empty() && (a.undecided[v] || b.undecided[v])) continue;
+        worst.position = std::max(worst.position, glm::distance(a.positions[v], b.positions[v]));
+        const glm::dvec4 from = clipPosition(frame.constants, copy, a.positions[v]);
+        const glm::dvec4 to = clipPosition(frame.constants, copy, b.positions[v]);
+        if (from.w > 0 && to.w > 0)
+            worst.pixels =
+                std::max(worst.pixels, glm::distance(glm::dvec2(from) / from.w * half, glm::dvec2(to) / to.w * half));
+    }
+    worst.position /= scale;
+    return worst;
 }
 
 static SkinnedReference repeat(const SkinnedReference& reference, const std::vector<uint32_t>& sources) {
     SkinnedReference repeated;
     repeated.positions.reserve(sources.size());
     repeated.normals.reserve(sources.size());
+    for (uint32_t source : sources)
+        if (!reference.undecided.empty()) repeated.undecided.push_back(reference.undecided[source]);
     for (uint32_t source : sources) {
         repeated.positions.push_back(reference.positions[source]);
         repeated.normals.push_back(reference.normals[source]);
@@ -59,8 +103,13 @@ References makeReferences(const Case& c, const PlanInput& input, const FrameData
         const Palette palette = paletteOfCopy(frame, input.copies, number);
         References::Copy& copy = references.copies.emplace_back();
         copy.scale = errorScale(mesh, palette);
-        copy.source = repeat(referenceOf(c, mesh, palette), sources);
-        if (lossy) copy.decoded = referenceOf(c, decoded, palette);
+        copy.source = repeat(referenceOf(c, input, mesh, palette), sources);
+        if (lossy) copy.decoded = referenceOf(c, input, decoded, palette);
+        if (!c.variant->skins || input.palette.format == RowFormat::f32) continue;
+        const RowsError error = rowsErrorOf(input, frame, number, copy.scale);
+        const RowsError before = references.rowsError.value_or(RowsError{});
+        references.rowsError =
+            RowsError{std::max(before.position, error.position), std::max(before.pixels, error.pixels)};
     }
     references.bound = codecPositionBound(c, input, frame);
     return references;
@@ -120,14 +169,14 @@ static double vertexBound(const Mesh& mesh, uint32_t vertex, const Influences& m
 
 std::optional<double> codecPositionBound(const Case& c, const PlanInput& input, const FrameData& frame) {
     if (!input.encoded->decode) return 0;
-    if (!input.encoded->bounds) return std::nullopt;
+    if (!input.encoded->bounds || input.palette.method != Method::lbs) return std::nullopt;
     const CodecBounds& bounds = *input.encoded->bounds;
     const Mesh& mesh = input.scene->mesh;
     const std::vector<uint32_t> sources = sourcesOf(input);
     const Mesh decoded = bounds.addsJoints && c.variant->skins ? input.encoded->decode() : Mesh{};
     double worst = 0;
     for (uint32_t copy : {0u, input.copies - 1}) {
-        const Palette palette = paletteOfCopy(frame, input.copies, copy);
+        const Palette palette = rounded(input, paletteOfCopy(frame, input.copies, copy));
         double most = c.variant->skins ? 0 : glm::length(bounds.position);
         for (size_t v = 0; c.variant->skins && v < sources.size(); ++v) {
             const Influences more = decoded.influences.empty() ? Influences{} : decoded.influences[v];
@@ -156,15 +205,26 @@ static Mesh decodedMesh(const PlanInput& input) {
     return mesh;
 }
 
+// The tangent that the case keeps of a vertex, counted over all copies.
+static glm::vec4 keptTangent(const SkinnedLayout& layout, const KeptBytes& bytes, size_t vertex) {
+    glm::vec4 tangent(0);
+    uint32_t word = 0;
+    if (layout.tangent)
+        std::memcpy(&tangent, &bytes.records[vertex * layout.stride + layout.tangent], sizeof(tangent));
+    else
+        std::memcpy(&word, &bytes.tangents[vertex * sizeof(word)], sizeof(word));
+    return layout.tangent ? tangent : unpackTangent(word);
+}
+
 KeptError keptError(const Case& c, const PlanInput& input, const FrameData& before, const FrameData& frame,
-                    std::span<const std::byte> records) {
+                    const KeptBytes& bytes) {
     const SkinnedLayout layout = skinnedLayout(c);
     const size_t vertices = input.encoded->vertexCount;
-    SKINBENCH_ASSERT(records.size() == vertices * input.copies * layout.stride);
+    SKINBENCH_ASSERT(bytes.records.size() == vertices * input.copies * layout.stride);
     const Mesh mesh = decodedMesh(input);
     Mesh tangential = mesh;  // its normals are the tangents: both are turned alike
     std::vector<float> sides;
-    if (layout.tangent) {
+    if (c.compute.tangents || c.compute.shortTangents) {
         const std::vector<glm::vec4> tangents = vertexTangents(input.scene->mesh);
         const std::vector<uint32_t> sources = sourcesOf(input);
         for (size_t v = 0; v < vertices; ++v) {
@@ -176,23 +236,24 @@ KeptError keptError(const Case& c, const PlanInput& input, const FrameData& befo
     for (uint32_t copy : {0u, input.copies - 1}) {
         std::vector<SkinnedVertex> kept(vertices);
         for (size_t v = 0; v < vertices; ++v) {
-            const std::byte* record = &records[(copy * vertices + v) * layout.stride];
-            glm::vec4 tangent(0);
-            if (layout.previous) std::memcpy(&kept[v].position, record + layout.previous, sizeof(glm::vec3));
-            if (!layout.tangent) continue;
-            std::memcpy(&tangent, record + layout.tangent, sizeof(tangent));
+            const size_t vertex = copy * vertices + v;
+            if (layout.previous)
+                std::memcpy(&kept[v].position, &bytes.records[vertex * layout.stride + layout.previous],
+                            sizeof(glm::vec3));
+            if (sides.empty()) continue;
+            const glm::vec4 tangent = keptTangent(layout, bytes, vertex);
             kept[v].normal = glm::vec3(tangent);
             if (tangent.w != sides[v]) worst.tangent = std::numeric_limits<double>::infinity();
         }
         const Palette now = paletteOfCopy(frame, input.copies, copy);
-        if (layout.tangent)
-            worst.tangent = std::max(worst.tangent, compareSkinned(skinReference(tangential, now), kept, 0).normal);
+        if (!sides.empty())
+            worst.tangent = std::max(worst.tangent, compareSkinned(skinned(input, tangential, now), kept, 0).normal);
         if (!layout.previous) continue;
         // A copy that every frame skins has shown the last pose twice.
         const bool twice = c.compute.halfRate && !isFar(frame, input.copies, copy);
         const Palette then = twice ? now : paletteOfCopy(before, input.copies, copy);
         const double scale = errorScale(input.scene->mesh, then);
-        worst.previous = std::max(worst.previous, compareSkinned(skinReference(mesh, then), kept, scale).position);
+        worst.previous = std::max(worst.previous, compareSkinned(skinned(input, mesh, then), kept, scale).position);
     }
     return worst;
 }

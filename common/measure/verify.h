@@ -16,6 +16,12 @@ struct CapturedError {
     SkinError source;   // against the reference skinned from the scene's own vertices
 };
 
+// What rounding the palette to half floats moves vertices by, at most.
+struct RowsError {
+    double position = 0;  // relative to errorScale
+    double pixels = 0;    // in the image, of vertices before the eye
+};
+
 // What position errors are divided by: the diagonal of the posed bounding box, or half of the farthest reach of a
 // vertex where that is more. A vertex reaches sum_j w_j (|M_j| |p| + |t_j|): the numbers that single precision rounds,
 // which a small character far from the origin has large. Infinite beyond 1e18, where squares of floats end: nothing
@@ -30,8 +36,9 @@ struct References {
         SkinnedReference source;                  // by encoded vertex
         std::optional<SkinnedReference> decoded;  // empty: the codec loses nothing
     };
-    std::vector<Copy> copies;     // the first and the last one; a single copy once
-    std::optional<double> bound;  // codecPositionBound
+    std::vector<Copy> copies;            // the first and the last one; a single copy once
+    std::optional<double> bound;         // codecPositionBound
+    std::optional<RowsError> rowsError;  // of such palettes
 };
 References makeReferences(const Case& c, const PlanInput& input, const FrameData& frame);
 
@@ -41,7 +48,7 @@ CapturedError capturedError(const References& references, std::span<const Skinne
 
 // The largest CapturedError::source.position that the codec's bounds (CodecBounds) and the joint transforms of `frame`
 // allow, over the vertices that capturedError compares; 0 for a codec that loses nothing. What the variant's own
-// arithmetic adds comes on top. Empty where the codec promises nothing.
+// arithmetic adds comes on top. Empty where the codec promises nothing, and for dual quaternions.
 //
 //   p' - p = sum_j w'_j M_j dp + sum_j dw_j M_j p      w' = w + dw, sum_j dw_j = 0, |dp| and sum_j |dw_j| bounded
 std::optional<double> codecPositionBound(const Case& c, const PlanInput& input, const FrameData& frame);
@@ -53,9 +60,12 @@ struct KeptError {
     double tangent = 0;   // radians; infinite where a tangent's side is wrong
 };
 
-// `records` is the content of SLOT_SKINNED once `before` and then `frame` were drawn, with ComputeOptions::halfRate
-// each twice, so that every copy showed both.
+// The content of SLOT_SKINNED and, with ComputeOptions::shortTangents, of SLOT_SKINNED_TANGENT once `before` and then
+// `frame` were drawn, with ComputeOptions::halfRate each twice, so that every copy showed both.
+struct KeptBytes {
+    std::vector<std::byte> records, tangents;
+};
 KeptError keptError(const Case& c, const PlanInput& input, const FrameData& before, const FrameData& frame,
-                    std::span<const std::byte> records);
+                    const KeptBytes& bytes);
 
 }  // namespace skinbench

@@ -119,9 +119,11 @@ MeshletStats meshletStats(const Mesh& mesh, const MeshletMesh& cut) {
 static uint32_t countsWord(const MeshletMesh& cut, const MeshletPacking& packing, size_t number) {
     const Meshlet& meshlet = cut.meshlets[number];
     const uint32_t blendBytes = packing.blendBytes.empty() ? 0 : packing.blendBytes[number];
-    SKINBENCH_ASSERT(blendBytes < 8 && meshlet.vertexCount < 1u << 13);
-    return uint32_t{number < packing.commonMeshlets} << 31 | meshlet.triangleCount << 16 | blendBytes << 13 |
-           meshlet.vertexCount;
+    const uint32_t influences = packing.influences.empty() ? 0 : packing.influences[number];
+    SKINBENCH_ASSERT(blendBytes < 8 && influences < 16);
+    SKINBENCH_ASSERT(meshlet.vertexCount < 1u << 13 && meshlet.triangleCount < 1u << 11);
+    return uint32_t{number < packing.commonMeshlets} << 31 | influences << 27 | meshlet.triangleCount << 16 |
+           blendBytes << 13 | meshlet.vertexCount;
 }
 
 static bool isWide(const MeshletPacking& packing) { return packing.orderedRecords || !packing.extraStart.empty(); }

@@ -71,11 +71,13 @@ struct MeshletPacking {
     // byte of its vertices; or empty.
     std::vector<uint32_t> extraStart;
     std::vector<uint8_t> blendBytes;  // per meshlet, below 8: bytes of blend data of its vertices; or empty
+    std::vector<uint8_t> influences;  // per meshlet, 1 to 8: the last one that weighs anything; or empty
 };
 
 // The words a mesh shader reads. All layouts share the word of the counts and the way local indices lie:
 //
-//   counts         [31] shares a joint list  [30:16] triangle count  [15:13] blend bytes  [12:0] vertex count
+//   counts         [31] shares a joint list  [30:27] influences  [26:16] triangle count  [15:13] blend bytes
+//                  [12:0] vertex count
 //   local indices  a byte each, little-endian, triangle after triangle: three words hold four triangles
 //
 // `redirect` (Kimmersdorfer 3.2): a descriptor a meshlet and one index stream.

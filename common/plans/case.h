@@ -11,6 +11,7 @@
 #include "common/frame/backend.h"
 #include "common/meshlets/common_influences.h"
 #include "common/meshlets/meshlets.h"
+#include "common/scene/palette_rows.h"
 
 namespace skinbench {
 
@@ -40,9 +41,9 @@ enum class View {
 // Back-face culling in the mesh stage; shaders_glsl/cull.glsl says how each works.
 enum class Cull { off = CULL_OFF, compact = CULL_COMPACT, primitive = CULL_PRIMITIVE, torabi = CULL_TORABI };
 
-// How the lanes of a culling mesh work group see each other's positions. automatic: by shuffles where the device's
-// subgroup is the work group, else through shared memory.
-enum class Exchange { automatic, shuffle, shared };
+// How the lanes of a culling mesh work group see each other's positions. automatic: where the device's subgroup is the
+// work group by shuffles, or, with Cull::torabi on NV, in the outputs; else through shared memory.
+enum class Exchange { automatic, shuffle, shared, outputs };
 
 // direct:  skinned where it is drawn, once.
 // prepass: the first pass lays down the depth and keeps the skinned vertices, the second draws them where the depth is
@@ -54,6 +55,12 @@ enum class Scenario { direct, prepass };
 // meshlet: the meshlet lists its joints, each vertex has one-byte numbers into that list.
 // staged:  so too, and the work group first copies the listed palette rows to shared memory.
 enum class JointSource { vertex = JOINTS_VERTEX, meshlet = JOINTS_MESHLET, staged = JOINTS_STAGED };
+
+// What skinning does with influences that weigh nothing.
+// load:  reads their joints like all others.
+// skip:  tests each weight.
+// count: the meshlet's header says how many influences its vertices have at the most.
+enum class ZeroWeights { load = ZERO_WEIGHTS_LOAD, skip = ZERO_WEIGHTS_SKIP, count = ZERO_WEIGHTS_COUNT };
 
 // Shapes of one mesh shader that compute the same; which is fastest depends on the device.
 struct MeshShape {
@@ -75,12 +82,13 @@ struct CommonInfluences {
 
 // The variant `compute`; shaders_glsl/compute.glsl says how each works. Any of them go together.
 struct ComputeOptions {
-    bool staged = false;     // the work group first copies its palette to shared memory
-    bool previous = false;   // a vertex keeps its position of one update ago, for motion vectors
-    bool tangents = false;   // unit tangents are skinned too
-    bool earlyExit = false;  // influences behind the one that completes a weight of 1 are not read
-    bool packed = false;     // position and a 32-bit normal; the draw reads the uv from the encoded vertex
-    bool halfRate = false;   // copies in the far half of the grid are skinned every second frame
+    bool staged = false;         // the work group first copies its palette to shared memory
+    bool previous = false;       // a vertex keeps its position of one update ago, for motion vectors
+    bool tangents = false;       // unit tangents are skinned too
+    bool shortTangents = false;  // so too, 4 bytes each in and out: octahedral, the lowest bit is the side
+    bool earlyExit = false;      // influences behind the one that completes a weight of 1 are not read
+    bool packed = false;         // position and a 32-bit normal; the draw reads the uv from the encoded vertex
+    bool halfRate = false;       // copies in the far half of the grid are skinned every second frame
     bool operator==(const ComputeOptions&) const = default;
 };
 
@@ -123,6 +131,9 @@ struct Case {
     MeshletLimits limits;
     uint32_t groupSize = 32;  // invocations of a mesh work group
     int influences = 4;       // 4 or 8
+    Method method = Method::lbs;
+    RowFormat paletteRows = RowFormat::f32;
+    ZeroWeights zeroWeights = ZeroWeights::skip;
     RasterMode raster = RasterMode::full;
     VertexFetch fetch = VertexFetch::attributes;
     Submission submission = Submission::perCopy;
@@ -150,7 +161,10 @@ const Codec& storedCodec(const Case& c);
 // Whether the case draws joint-palette partitions (`palette`).
 bool usesPartition(const Case& c);
 
-// Whether the case's work group is one subgroup of the device, so that lanes may exchange by shuffles.
+// Whether the case's work group is one subgroup of the device, so that lanes may exchange by shuffles or outputs.
 bool canShuffle(const Case& c, const DeviceCaps& caps);
+
+// Case::exchange without `automatic`, for a case that culls.
+Exchange exchangeOf(const Case& c, const DeviceCaps& caps);
 
 }  // namespace skinbench

@@ -9,15 +9,17 @@
 
 namespace skinbench {
 
+// std140: whole elements of 16 bytes.
+uint32_t PaletteBlocks::bytes() const { return (size * bytesOfJoint + 15) / 16 * 16; }
+
 uint64_t PaletteBlocks::stride() const {
-    const uint64_t bytes = size * sizeof(PaletteEntry);
-    return (bytes + kPaletteAlignment - 1) / kPaletteAlignment * kPaletteAlignment;
+    return (bytes() + kPaletteAlignment - 1) / kPaletteAlignment * kPaletteAlignment;
 }
 
 std::optional<PaletteBlocks> paletteBlocks(const Case& c, const PlanInput& input) {
     if (usesPartition(c)) {
         const PartitionPlan& plan = input.records->partition;
-        PaletteBlocks blocks{plan.slots, {}};
+        PaletteBlocks blocks{plan.slots, {}, input.palette.bytesOfJoint()};
         for (size_t command = 0; command < plan.commands.size(); ++command) {
             const std::vector<uint16_t> slots = slotsAfter(plan, command);
             blocks.joints.insert(blocks.joints.end(), slots.begin(), slots.end());
@@ -26,6 +28,7 @@ std::optional<PaletteBlocks> paletteBlocks(const Case& c, const PlanInput& input
     }
     if (!c.shape.uniformPalette) return std::nullopt;
     PaletteBlocks blocks;
+    blocks.bytesOfJoint = input.palette.bytesOfJoint();
     blocks.size = static_cast<uint32_t>(input.scene->skeleton.joints.size());
     for (uint32_t joint = 0; joint < blocks.size; ++joint) blocks.joints.push_back(static_cast<uint16_t>(joint));
     return blocks;
@@ -49,7 +52,8 @@ MemoryBytes memoryOfOneCopy(const FramePlan& plan, uint32_t copies) {
         {SLOT_VERTEX, &MemoryBytes::vertex},        {SLOT_TANGENT, &MemoryBytes::vertex},
         {SLOT_INDEX, &MemoryBytes::index},          {SLOT_MESHLET, &MemoryBytes::meshlet},
         {SLOT_MESHLET_DATA, &MemoryBytes::meshlet}, {SLOT_MESHLET_EXTRA, &MemoryBytes::additionalMeshlet},
-        {SLOT_TUPLE, &MemoryBytes::tuple},          {SLOT_SKINNED, &MemoryBytes::skinned},
+        {SLOT_TUPLE, &MemoryBytes::tuple},          {SLOT_SKINNED_TANGENT, &MemoryBytes::skinned},
+        {SLOT_SKINNED, &MemoryBytes::skinned},
     };
     MemoryBytes memory;
     for (const Stream& stream : plan.streams)

@@ -18,6 +18,7 @@ struct PlanInput {
     const Records* records = nullptr;  // null: the scene's vertices are stored as they are
     const EncodedMesh* encoded = nullptr;
     const MeshletMesh* meshlets = nullptr;  // null where Case::builder is
+    PaletteForm palette;                    // of the rows that the frames bring
     uint32_t copies = 1;
     uint32_t width = 1920;
     uint32_t height = 1080;
@@ -35,7 +36,9 @@ Result<FramePlan> makePlan(const Case& c, const PlanInput& input, const DeviceCa
 struct PaletteBlocks {
     uint32_t size = 0;
     std::vector<uint16_t> joints;
-    uint64_t stride() const;  // bytes from one block to the next
+    uint32_t bytesOfJoint = 0;
+    uint32_t bytes() const;   // of a block
+    uint64_t stride() const;  // from one block to the next
 };
 std::optional<PaletteBlocks> paletteBlocks(const Case& c, const PlanInput& input);
 

@@ -27,12 +27,14 @@ Defines caseDefines(const Case& c, const PlanInput& input) {
         {"COPY_COUNT", std::to_string(input.copies)},
         {"LAST_COPY", std::to_string(input.copies - 1)},
         {"PALETTE_UNIFORM", c.shape.uniformPalette || usesPartition(c) ? "1" : "0"},
+        {"PALETTE_ROWS", std::to_string(input.palette.rowsOfJoint())},
         {"STAGED_JOINTS", "0"},
         {"EARLY_EXIT", c.compute.earlyExit ? "1" : "0"},
         {"HALF_RATE", c.compute.halfRate ? "1" : "0"},
         {"SKINNED_PACKED", c.compute.packed ? "1" : "0"},
         {"SKINNED_PREVIOUS", c.compute.previous ? "1" : "0"},
-        {"SKINNED_TANGENT", c.compute.tangents ? "1" : "0"},
+        {"SKINNED_TANGENT", c.compute.tangents || c.compute.shortTangents ? "1" : "0"},
+        {"SHORT_TANGENT", c.compute.shortTangents ? "1" : "0"},
         {"SAME_DEPTH", prepass ? "1" : "0"},
         {"PREPASS", "0"},
         {"DEPTH_ONLY", "0"},
@@ -55,7 +57,9 @@ void setDefine(Defines& defines, const std::string& name, const std::string& val
 
 Result<Program> makeProgram(const Case& c, const PlanInput& input, const char* label,
                             std::initializer_list<StageFile> stages, const Defines& defines) {
-    const bool shuffles = std::ranges::count(defines, Defines::value_type{"EXCHANGE_SHUFFLE", "1"}) > 0;
+    const bool shuffles = std::ranges::any_of(defines, [](const auto& define) {
+        return (define.first == "EXCHANGE_SHUFFLE" || define.first == "EXCHANGE_OUTPUTS") && define.second == "1";
+    });
     Program program;
     program.label = label;
     for (const StageFile& stage : stages) {
@@ -74,9 +78,9 @@ FramePlan startPlan(const Case& c, const PlanInput& input) {
     plan.height = input.height;
     if (auto blocks = paletteBlocks(c, input)) {
         plan.paletteBytes = blocks->stride() * (blocks->joints.size() / blocks->size) * input.copies;
-        plan.paletteRange = blocks->size * static_cast<uint32_t>(sizeof(PaletteEntry));
+        plan.paletteRange = blocks->bytes();
     } else {
-        plan.paletteBytes = uint64_t{input.copies} * input.scene->skeleton.joints.size() * sizeof(PaletteEntry);
+        plan.paletteBytes = uint64_t{input.copies} * input.scene->skeleton.joints.size() * input.palette.bytesOfJoint();
     }
     if (input.capture)
         plan.streams.push_back(

@@ -8,17 +8,21 @@
 namespace skinbench {
 namespace {
 
-// A row a vertex as the case stores them.
-Bytes tangentBytes(const PlanInput& input) {
+// Vertex after vertex as the case stores them.
+Bytes tangentBytes(const Case& c, const PlanInput& input) {
     const std::vector<glm::vec4> tangents = vertexTangents(input.scene->mesh);
     std::vector<glm::vec4> stored;
-    for (uint32_t source : sourcesOf(input)) stored.push_back(tangents[source]);
-    return toBytes(stored);
+    std::vector<uint32_t> words;
+    for (uint32_t source : sourcesOf(input)) {
+        stored.push_back(tangents[source]);
+        words.push_back(packTangent(tangents[source]));
+    }
+    return c.compute.shortTangents ? toBytes(words) : toBytes(stored);
 }
 
 Result<void> stagePalette(Defines& defines, const PlanInput& input, const DeviceCaps& caps) {
     const size_t joints = input.scene->skeleton.joints.size();
-    const size_t bytes = joints * sizeof(PaletteEntry);
+    const size_t bytes = joints * input.palette.rowsOfJoint() * sizeof(glm::vec4);
     if (bytes > caps.maxComputeSharedBytes)
         return deviceError(std::format("needs {} bytes of shared memory for {} joints: {} allows {}", bytes, joints,
                                        caps.name, caps.maxComputeSharedBytes));
@@ -36,7 +40,11 @@ Result<FramePlan> planCompute(const Case& c, const PlanInput& input, const Devic
     FramePlan plan = startPlan(c, input);
     plan.programs.push_back(std::move(*program));
     addEncoded(plan, input);
-    if (c.compute.tangents) addStream(plan, SLOT_TANGENT, useStorage, tangentBytes(input), input.copies);
+    if (c.compute.tangents || c.compute.shortTangents)
+        addStream(plan, SLOT_TANGENT, useStorage, tangentBytes(c, input), input.copies);
+    if (c.compute.shortTangents)
+        plan.streams.push_back({.slot = SLOT_SKINNED_TANGENT,
+                                .gpuBytes = uint64_t{input.copies} * input.encoded->vertexCount * sizeof(uint32_t)});
     addSkinnedStream(plan, input, useStorage | useAttributes, skinnedLayout(c).stride);
     Pass skin;
     skin.label = "skin";

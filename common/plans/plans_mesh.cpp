@@ -32,11 +32,31 @@ Result<Extra> makeExtra(const Case& c, const PlanInput& input) {
     return extra;
 }
 
+// Per meshlet, the last influence of its vertices that weighs anything, counted from 1.
+std::vector<uint8_t> influencesOf(const PlanInput& input) {
+    const Mesh decoded = input.encoded->decode ? input.encoded->decode() : Mesh{};
+    const Mesh& stored = input.records ? input.records->mesh : input.scene->mesh;
+    std::vector<uint8_t> counts;
+    for (const Meshlet& meshlet : input.meshlets->meshlets) {
+        int most = 1;
+        for (uint32_t i = 0; i < meshlet.vertexCount; ++i) {
+            const uint32_t v = input.meshlets->vertices[meshlet.firstVertex + i];
+            const auto& sources = input.encoded->sources;
+            const Influences& own =
+                input.encoded->decode ? decoded.influences[v] : stored.influences[sources.empty() ? v : sources[v]];
+            for (int k = most; k < kMaxInfluences; ++k)
+                if (own.weights[k] > 0) most = k + 1;
+        }
+        counts.push_back(static_cast<uint8_t>(most));
+    }
+    return counts;
+}
+
 Defines meshDefines(const Case& c, const PlanInput& input, const DeviceCaps& caps, const PackedMeshlets& packed,
                     const Extra& extra) {
     Defines defines = caseDefines(c, input);
     auto set = [&](const char* name, uint64_t value) { setDefine(defines, name, std::to_string(value)); };
-    const bool shuffles = c.exchange == Exchange::automatic ? canShuffle(c, caps) : c.exchange == Exchange::shuffle;
+    const Exchange exchange = exchangeOf(c, caps);
     set("SPARE_OUTPUT", caps.lastMeshOutputLost);
     set("MESHLET_COUNT", input.meshlets->meshlets.size());
     set("MESHLET_DATA_WORDS", packed.data.size());
@@ -49,7 +69,8 @@ Defines meshDefines(const Case& c, const PlanInput& input, const DeviceCaps& cap
     set("STAGED_JOINTS", extra.stagedJoints);
     set("COMMON_INFLUENCES", sharesJointLists(c));
     set("COMMON_MESHLETS", input.records ? input.records->commonMeshlets : 0);
-    set("EXCHANGE_SHUFFLE", c.cull == Cull::compact && shuffles);
+    set("EXCHANGE_SHUFFLE", c.cull != Cull::off && exchange == Exchange::shuffle);
+    set("EXCHANGE_OUTPUTS", c.cull != Cull::off && exchange == Exchange::outputs);
     set("SUBPIXELS", 1u << std::max(caps.subpixelBits, kLeastSubpixelBits));
     set("IMAGE_WIDTH", input.width);
     set("IMAGE_HEIGHT", input.height);
@@ -87,11 +108,13 @@ Result<void> addMeshPass(FramePlan& plan, MeshPass kind, const Case& c, const Pl
 Result<FramePlan> planMesh(const Case& c, const PlanInput& input, const DeviceCaps& caps) {
     auto extra = makeExtra(c, input);
     SKINBENCH_TRY(extra);
-    const PackedMeshlets packed =
-        c.layout->pack(*input.meshlets, {.orderedRecords = c.shape.orderedRecords,
-                                         .commonMeshlets = input.records ? input.records->commonMeshlets : 0,
-                                         .extraStart = extra->start,
-                                         .blendBytes = input.encoded->blendBytes});
+    const PackedMeshlets packed = c.layout->pack(
+        *input.meshlets,
+        {.orderedRecords = c.shape.orderedRecords,
+         .commonMeshlets = input.records ? input.records->commonMeshlets : 0,
+         .extraStart = extra->start,
+         .blendBytes = input.encoded->blendBytes,
+         .influences = c.zeroWeights == ZeroWeights::count ? influencesOf(input) : std::vector<uint8_t>()});
     const Defines defines = meshDefines(c, input, caps, packed, *extra);
     const bool prepass = c.scenario == Scenario::prepass;
     FramePlan plan = startPlan(c, input);

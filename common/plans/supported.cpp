@@ -18,7 +18,9 @@ static std::optional<std::string> unsupportedOptions(const Case& c, const Device
         caps.primitiveCullIgnored)
         return caps.name + " ignores gl_CullPrimitiveEXT";
     if (c.exchange == Exchange::shuffle && c.cull != Cull::compact) return "only --cull compact exchanges by shuffles";
-    if (c.exchange == Exchange::shuffle && !canShuffle(c, caps))
+    if (c.exchange == Exchange::outputs && (c.cull != Cull::torabi || c.route->dialect != MeshDialect::nv))
+        return "only --cull torabi on an NV route reads positions from the outputs";
+    if ((c.exchange == Exchange::shuffle || c.exchange == Exchange::outputs) && !canShuffle(c, caps))
         return std::format("{} invocations a work group are not one subgroup that can shuffle: {} has {}", c.groupSize,
                            caps.name, caps.subgroupSize);
     const MeshLimitsOfDevice& limits = meshLimits(caps, c.route->dialect);
@@ -50,6 +52,13 @@ bool canShuffle(const Case& c, const DeviceCaps& caps) {
     return caps.meshSubgroups && caps.subgroupSize == c.groupSize;
 }
 
+Exchange exchangeOf(const Case& c, const DeviceCaps& caps) {
+    if (c.exchange != Exchange::automatic) return c.exchange;
+    if (!canShuffle(c, caps)) return Exchange::shared;
+    if (c.cull == Cull::compact) return Exchange::shuffle;
+    return c.cull == Cull::torabi && c.route->dialect == MeshDialect::nv ? Exchange::outputs : Exchange::shared;
+}
+
 std::optional<std::string> unsupported(const Case& c, const DeviceCaps& caps) {
     if (c.route->api == Api::cpu) return std::nullopt;
     if (caps.timestampBits == 0) return caps.name + " offers no timestamps, so passes cannot be timed";
@@ -64,6 +73,9 @@ std::optional<std::string> unsupported(const Case& c, const DeviceCaps& caps) {
         return std::string("no attribute format carries codec ") + c.codec->name;
     if ((c.shape.uniformPalette || usesPartition(c)) && c.submission == Submission::batched)
         return "a uniform block holds one copy's palette, so copies cannot be drawn at once";
+    if (c.zeroWeights == ZeroWeights::count && c.route->dialect == MeshDialect::none)
+        return "influences are counted in the headers of meshlets";
+    if (c.compute.tangents && c.compute.shortTangents) return "tangents are kept either long or short";
     if (c.compute.staged && c.submission == Submission::batched)
         return "a work group of a batched dispatch spans copies, so it cannot stage the palette of one";
     if (c.route->dialect != MeshDialect::none) return unsupportedMeshlets(c, caps);

@@ -264,6 +264,16 @@ void addAccuracy(Columns& rows) {
     rows.push_back(
         inFile("accuracy.codec_normal_error", "rad", accuracyOf([](const auto& a) { return a.codecError.normal; })));
     rows.push_back(inFile("accuracy.codec_position_bound", "", accuracyOf([](const auto& a) { return a.codecBound; })));
+    const auto rounding = [](double RowsError::*field) {
+        return accuracyOf(
+            [field](const auto& a) { return a.rowsError ? std::optional((*a.rowsError).*field) : std::nullopt; });
+    };
+    error("accuracy.palette_rows_error", "", rounding(&RowsError::position),
+          {.header = "error of half rows", .group = "accuracy"});
+    rows.push_back(inFile("accuracy.palette_rows_error_pixels", "px", rounding(&RowsError::pixels)));
+    rows.push_back(inFile("accuracy.undecided_vertices", "", accuracyOf([](const auto& a) {
+                              return a.error.undecided ? std::optional<uint64_t>(a.error.undecided) : std::nullopt;
+                          })));
     rows.push_back(inFile("accuracy.image_difference", "", accuracyOf(imageDifferenceOf)));
     rows.push_back(
         inFile("accuracy.image_reference", "", accuracyOf([](const auto& a) { return a.imageReference; }), kText));

@@ -83,6 +83,10 @@ SkinError compareSkinned(const SkinnedReference& reference, std::span<const Skin
     constexpr double kInfinity = std::numeric_limits<double>::infinity();
     SkinError worst;
     for (size_t v = 0; v < measured.size(); ++v) {
+        if (!reference.undecided.empty() && reference.undecided[v]) {
+            ++worst.undecided;
+            continue;
+        }
         const glm::dvec3 normal(measured[v].normal);
         const double distance = glm::length(glm::dvec3(measured[v].position) - reference.positions[v]);
         const double angle =

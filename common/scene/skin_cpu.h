@@ -18,6 +18,7 @@ namespace skinbench {
 struct SkinnedReference {
     std::vector<glm::dvec3> positions;
     std::vector<glm::dvec3> normals;
+    std::vector<bool> undecided{};  // vertices that cannot be compared (palette_rows.h); empty: none
 };
 
 // Double precision throughout, from the float palette and the float vertices that the GPU reads too.
@@ -47,6 +48,7 @@ void skinOnCpu(const CpuSkinJob& job, unsigned threads);
 struct SkinError {
     double position = 0;
     double normal = 0;
+    size_t undecided = 0;  // vertices that were left out
 };
 SkinError compareSkinned(const SkinnedReference& reference, std::span<const SkinnedVertex> measured, double scale);
 

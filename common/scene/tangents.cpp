@@ -2,6 +2,8 @@
 
 #include <cmath>
 
+#include <glm/gtc/packing.hpp>
+
 namespace skinbench {
 namespace {
 
@@ -58,6 +60,23 @@ std::vector<glm::vec4> vertexTangents(const Mesh& mesh) {
         tangents[v] = glm::vec4(glm::vec3(tangent), flipped ? -1.0f : 1.0f);
     }
     return tangents;
+}
+
+static glm::vec2 foldOctahedron(const glm::vec2& v) {
+    return {(1 - std::abs(v.y)) * (v.x < 0 ? -1.0f : 1.0f), (1 - std::abs(v.x)) * (v.y < 0 ? -1.0f : 1.0f)};
+}
+
+uint32_t packTangent(const glm::vec4& tangent) {
+    const glm::vec2 unfolded = glm::vec2(tangent) / (std::abs(tangent.x) + std::abs(tangent.y) + std::abs(tangent.z));
+    const uint32_t word = glm::packSnorm2x16(tangent.z < 0 ? foldOctahedron(unfolded) : unfolded);
+    return (word & ~1u) | (tangent.w < 0 ? 1u : 0u);
+}
+
+glm::vec4 unpackTangent(uint32_t word) {
+    const glm::vec2 unfolded = glm::unpackSnorm2x16(word & ~1u);
+    const float z = 1 - std::abs(unfolded.x) - std::abs(unfolded.y);
+    return glm::vec4(glm::normalize(glm::vec3(z < 0 ? foldOctahedron(unfolded) : unfolded, z)),
+                     word & 1 ? -1.0f : 1.0f);
 }
 
 }  // namespace skinbench

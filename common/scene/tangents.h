@@ -1,6 +1,7 @@
 // Tangents of a mesh that stores none.
 #pragma once
 
+#include <cstdint>
 #include <vector>
 
 #include "common/scene/scene.h"
@@ -11,5 +12,12 @@ namespace skinbench {
 // around the vertex, weighted by their area in space, then Gram-Schmidt); w is 1 or -1, so that
 // w * cross(normal, xyz) is the side on which v grows. Where the uvs span no area, xyz is any perpendicular and w is 1.
 std::vector<glm::vec4> vertexTangents(const Mesh& mesh);
+
+// Such a tangent in a word, as packTangent of shaders_glsl/octahedral.glsl: signed coordinates on the unfolded
+// octahedron,
+//
+// [31:16] v  [15:1] u  [0] set where w is -1
+uint32_t packTangent(const glm::vec4& tangent);
+glm::vec4 unpackTangent(uint32_t word);
 
 }  // namespace skinbench

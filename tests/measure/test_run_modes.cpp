@@ -47,7 +47,9 @@ Drawn drawBothWays(Workload& workload, const Case& c, Backend& backend) {
     REQUIRE(id);
     auto frame = makeFrame(workload, c.influences, 0);
     REQUIRE(frame);
-    const std::vector<FrameInput> inputs(2, {frame->constants, std::as_bytes(std::span(frame->palettes)), {}});
+    const auto palette = paletteBytes(*input, paletteBlocks(c, *input), *frame);
+    REQUIRE(palette);
+    const std::vector<FrameInput> inputs(2, {frame->constants, *palette, {}});
     Drawn drawn;
     REQUIRE(backend.run(*id, inputs));
     drawn.timed = *backend.readImage(*id);
@@ -153,7 +155,9 @@ TEST_CASE("the timestamps of a software driver enclose the work, not its queue")
         REQUIRE(id);
         auto frame = makeFrame(*workload, c.influences, 0);
         REQUIRE(frame);
-        const std::vector<FrameInput> inputs(8, {frame->constants, std::as_bytes(std::span(frame->palettes)), {}});
+        const auto palette = paletteBytes(*input, {}, *frame);
+        REQUIRE(palette);
+        const std::vector<FrameInput> inputs(8, {frame->constants, *palette, {}});
         for (RunMode mode : {RunMode::timed, RunMode::overlap}) {
             REQUIRE(backend.run(*id, inputs, mode));  // compiles what a driver compiles late
             const auto start = std::chrono::steady_clock::now();

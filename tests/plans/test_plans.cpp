@@ -109,7 +109,7 @@ TEST_CASE("uniform palettes are blocks that draws point into") {
         }
         CHECK(offsets.size() == 3 * (blocks->joints.size() / blocks->size));
         const FrameData frame = *makeFrame(workload, 4, 0);
-        const std::vector<std::byte> bytes = blockedPalettes(frame, 3, *blocks);
+        const std::vector<std::byte> bytes = *paletteBytes(*input, blocks, frame);
         REQUIRE(bytes.size() == plan.paletteBytes);
         for (size_t i = 0; i < blocks->joints.size(); ++i) {
             if (blocks->joints[i] == kNoJoint) continue;
@@ -449,11 +449,10 @@ TEST_CASE("the null backend runs every plan of every case") {
             REQUIRE(id);
             auto frame = makeFrame(workload, c.influences, 0);
             REQUIRE(frame);
-            FrameInput input{frame->constants, std::as_bytes(std::span(frame->palettes)), {}};
-            const auto blocks = paletteBlocks(c, *planInput(workload, c));
-            const std::vector<std::byte> blocked =
-                blocks ? blockedPalettes(*frame, 2, *blocks) : std::vector<std::byte>();
-            if (blocks) input.palette = blocked;
+            const PlanInput planned = *planInput(workload, c);
+            const auto palette = paletteBytes(planned, paletteBlocks(c, planned), *frame);
+            REQUIRE(palette);
+            FrameInput input{frame->constants, *palette, {}};
             if (plan.paletteBytes == 0) input.palette = {};
             const Stream* written = hostWrittenStream(plan);
             const std::vector<std::byte> skinned(written ? streamBytes(*written) : 0);
