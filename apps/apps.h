@@ -23,6 +23,9 @@ int reportError(const Error& error);
 // Standard output has reached its reader, else kExitFailed and a line that says so.
 int flushOutput();
 
+// Columns of the terminal that standard output is; 0 where it is none.
+size_t terminalWidth();
+
 // --- devices (devices.cpp) -------------------------------------------------------------------------------------
 
 std::vector<Api> graphicsApis();
@@ -180,13 +183,15 @@ int runSceneList(bool json);
 int runSceneExport(const std::string& name, const std::string& out);
 
 struct CompareOptions {
-    std::string a, b;
+    std::string a, b;                 // b empty: pairs within a
+    std::vector<std::string> pair;    // AXIS or AXIS=VALUE (PairAxis)
     std::optional<double> failAbove;  // percent
     bool allowMissing = false;        // by failAbove: B may lack cases of A
     bool json = false;
 };
 int runCompare(const CompareOptions& options);
 
+// Files or folders with a results.json.
 int runReport(const std::vector<std::string>& files, const std::string& out);
 
 }  // namespace skinbench

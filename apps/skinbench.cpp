@@ -2,6 +2,7 @@
 #include <CLI/CLI.hpp>
 
 #include <fcntl.h>
+#include <sys/ioctl.h>
 #include <unistd.h>
 
 #include <algorithm>
@@ -32,6 +33,11 @@ int flushOutput() {
     std::cout.flush();
     if (std::cout) return kExitDone;
     return reportError({Fault::device, "standard output cannot be written"});
+}
+
+size_t terminalWidth() {
+    winsize size{};
+    return isatty(STDOUT_FILENO) && ioctl(STDOUT_FILENO, TIOCGWINSZ, &size) == 0 ? size.ws_col : 0;
 }
 
 namespace {
@@ -243,7 +249,7 @@ void addReport(CLI::App& program, int& status) {
     };
     auto options = std::make_shared<Options>();
     CLI::App* command = program.add_subcommand("report", "one HTML page of one or more result files");
-    command->add_option("files", options->files, "results.json files")->required();
+    command->add_option("files", options->files, "results.json files, or folders with one")->required();
     command->add_option("-o,--output", options->out, "the page")->capture_default_str();
     command->callback([options, &status] { status = runReport(options->files, options->out); });
 }
@@ -251,12 +257,18 @@ void addReport(CLI::App& program, int& status) {
 void addCompare(CLI::App& program, int& status) {
     auto options = std::make_shared<CompareOptions>();
     CLI::App* command = program.add_subcommand("compare", "which cases differ between two result files, beyond noise");
-    command->add_option("A", options->a, "the results.json to compare with")->required();
-    command->add_option("B", options->b, "the results.json that is compared")->required();
+    command->add_option("A", options->a, "the results.json to compare with, or a folder with one")->required();
+    command->add_option("B", options->b, "the one that is compared; with --pair A itself where it is left out");
     command
-        ->add_option(
-            "--fail-above", options->failAbove,
-            "exit 1 when a case of A is slower in B by this many percent, or missing, failed or not timed there")
+        ->add_option("--pair", options->pair,
+                     "AXIS or AXIS=VALUE: compares cases that are equal but for these axes (codec, variant, route, …), "
+                     "from VALUE (default: the usual one) to every other")
+        ->delimiter(',')
+        ->allow_extra_args(false);
+    command
+        ->add_option("--fail-above", options->failAbove,
+                     "exit 1 when the whole interval of a case lies this many percent above A, beyond the noise floor, "
+                     "or a case of A is missing, failed or not timed in B")
         ->check(kFinite)
         ->check(CLI::NonNegativeNumber);
     command->add_flag("--allow-missing", options->allowMissing, "with --fail-above: B may lack cases of A");

@@ -121,7 +121,7 @@ Result<void> createAttachment(Target& target, VkFormat format, VkImageUsageFlags
 }  // namespace
 
 // Where a driver asks for less than a vertex's 64 bytes, what lies before a buffer would show in its times: up to 1.19
-// times on an H200, which asks for 16 (docs/results).
+// times on an H200, which asks for 16 (docs/studies/alignment.md).
 constexpr VkDeviceSize kBufferAlignment = 256;
 
 VkResult tryCreateBuffer(Device& device, uint64_t bytes, VkBufferUsageFlags usage, Memory memory, Buffer& buffer) {

@@ -4,6 +4,7 @@
 #include <charconv>
 #include <cstdint>
 #include <format>
+#include <ranges>
 #include <vector>
 
 #include <nlohmann/json.hpp>
@@ -110,6 +111,28 @@ std::string terminalText(std::string_view text, size_t most) {
     if (length > most) return front + "…" + back;
     for (const std::string& piece : shown) front += piece;
     return front;
+}
+
+std::string wrapText(std::string_view line, size_t width, size_t indent) {
+    if (width == 0) return std::string(line);
+    std::string wrapped;
+    size_t used = 0;  // characters of the last line
+    for (const auto part : std::views::split(line, ' ')) {
+        const std::string_view word(part.begin(), part.end());
+        size_t length = 0;
+        eachCharacter(word, [&](const Character&) { ++length; });
+        const bool first = word.data() == line.data();
+        if (!first && used + 1 + length > width) {
+            wrapped += "\n" + std::string(indent, ' ');
+            used = indent;
+        } else if (!first) {
+            wrapped += ' ';
+            ++used;
+        }
+        wrapped += word;
+        used += length;
+    }
+    return wrapped;
 }
 
 std::string csvText(std::string_view text) {

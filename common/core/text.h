@@ -20,6 +20,10 @@ std::string terminalText(std::string_view text);
 // terminalText with at most `most` characters (code points); what is cut out of the middle is shown as "…".
 std::string terminalText(std::string_view text, size_t most);
 
+// A line broken at spaces into lines of at most `width` characters, the second and later ones behind `indent` spaces. A
+// longer word stays whole, and with width 0 the line does.
+std::string wrapText(std::string_view line, size_t width, size_t indent = 0);
+
 inline constexpr size_t kLongestMessage = 400;  // characters of one line on standard error
 
 // One field as RFC 4180 quotes it. A spreadsheet takes what begins with = + - @, a tab or a carriage return for a

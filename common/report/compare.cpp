@@ -16,7 +16,7 @@ using Json = nlohmann::ordered_json;
 
 namespace {
 
-// A file that does not tell its rounds counts as one; samples that are not positive count as none.
+// A file that does not say its rounds counts as one; samples that are not positive count as none.
 Measured measuredOf(const Json& row) {
     Measured measured{row["gpu_ms"].value("samples", std::vector<double>()), {}};
     auto usable = [](double sample) { return std::isfinite(sample) && sample > 0; };
@@ -30,7 +30,8 @@ Measured measuredOf(const Json& row) {
 }
 
 ComparedSide sideOf(const Json& results, const Json& row) {
-    ComparedSide side{row["status"], row["reason"].is_null() ? "" : row["reason"].get<std::string>(), {}, false};
+    ComparedSide side{
+        row["id"], row["status"], row["reason"].is_null() ? "" : row["reason"].get<std::string>(), {}, false};
     if (side.status == "ok" && !row["gpu_ms"].is_null())
         if (const double median = row["gpu_ms"]["median"]; std::isfinite(median) && median > 0) side.median = median;
     side.software = side.median && isSoftware(results, row);
@@ -52,7 +53,7 @@ ComparedCase compareTimes(ComparedCase compared, const Json& a, const Json& b, d
 }
 
 ComparedCase compareCase(const Json& a, const Json& rowA, const Json& b, const Json& rowB, double noiseFloor) {
-    ComparedCase compared{rowA["id"], Change::same, sideOf(a, rowA), sideOf(b, rowB), {}, {}};
+    ComparedCase compared{rowA["id"], "", Change::same, sideOf(a, rowA), sideOf(b, rowB), {}, {}};
     const bool okA = compared.a.status == "ok", okB = compared.b.status == "ok";
     if (okA && okB && compared.a.median && compared.b.median)
         return compareTimes(std::move(compared), rowA, rowB, noiseFloor);
@@ -61,6 +62,7 @@ ComparedCase compareCase(const Json& a, const Json& rowA, const Json& b, const J
 }
 
 std::string shown(const Json& value) {
+    if (value.is_null()) return "none";
     return terminalText(value.is_string() ? value.get<std::string>() : dumpJson(value, -1), kLongestMessage);
 }
 
@@ -75,16 +77,16 @@ std::string devicesText(const Json& results) {
 std::vector<std::string> differencesOf(const Json& a, const Json& b) {
     std::vector<std::string> differences;
     auto differ = [&](const std::string& what, const std::string& before, const std::string& after) {
-        if (before != after) differences.push_back(what + ": " + before + " | " + after);
+        if (before != after) differences.push_back(std::format("{}: {} in A, {} in B", what, before, after));
     };
     differ("devices", devicesText(a), devicesText(b));
     for (const char* group : {"scene", "settings", "host", "tool"}) {
         for (const auto& [key, value] : a[group].items())
             differ(std::string(group) + " " + terminalText(key, kLongestMessage), shown(value),
-                   b[group].contains(key) ? shown(b[group][key]) : "–");
+                   b[group].contains(key) ? shown(b[group][key]) : "not said");
         for (const auto& [key, value] : b[group].items())
             if (!a[group].contains(key))
-                differ(std::string(group) + " " + terminalText(key, kLongestMessage), "–", shown(value));
+                differ(std::string(group) + " " + terminalText(key, kLongestMessage), "not said", shown(value));
     }
     return differences;
 }
@@ -100,10 +102,8 @@ Result<std::map<std::string, const Json*>> casesById(const Json& results, const 
 // Distance of the ratio from 1 in both directions alike.
 double effect(const ComparedCase& compared) { return compared.ratio ? std::abs(std::log(*compared.ratio)) : 0; }
 
-Result<Comparison> compareChecked(const Json& a, const Json& b) {
-    auto casesA = casesById(a, "A"), casesB = casesById(b, "B");
-    SKINBENCH_TRY(casesA);
-    SKINBENCH_TRY(casesB);
+// All but the cases.
+Comparison startComparison(const Json& a, const Json& b) {
     Comparison comparison;
     comparison.differences = differencesOf(a, b);
     auto floorOf = [](const Json& results) {
@@ -117,19 +117,59 @@ Result<Comparison> compareChecked(const Json& a, const Json& b) {
         return floor || results.value("settings", Json::object()).value("placement", "kept") == "fresh";
     };
     comparison.placementCovered = covers(a, floorA) && covers(b, floorB);
+    return comparison;
+}
+
+bool comesBefore(const ComparedCase& x, const ComparedCase& y) {
+    return x.change != y.change ? x.change < y.change : effect(x) > effect(y);
+}
+
+Result<Comparison> compareChecked(const Json& a, const Json& b) {
+    auto casesA = casesById(a, "A"), casesB = casesById(b, "B");
+    SKINBENCH_TRY(casesA);
+    SKINBENCH_TRY(casesB);
+    Comparison comparison = startComparison(a, b);
+    bool shared = false;
     for (const Json& row : a["cases"]) {
         const auto other = casesB->find(row["id"]);
+        shared = shared || other != casesB->end();
         if (other == casesB->end())
-            comparison.cases.push_back({row["id"], Change::onlyA, sideOf(a, row), {}, {}, {}});
+            comparison.cases.push_back({row["id"], "", Change::onlyA, sideOf(a, row), {}, {}, {}});
         else
             comparison.cases.push_back(compareCase(a, row, b, *other->second, comparison.noiseFloor));
     }
+    if (!shared) return inputError("A and B have no case in common: " + whyNoneShared(a, b));
     for (const Json& row : b["cases"])
         if (!casesA->contains(row["id"]))
-            comparison.cases.push_back({row["id"], Change::onlyB, {}, sideOf(b, row), {}, {}});
-    std::ranges::stable_sort(comparison.cases, [](const ComparedCase& x, const ComparedCase& y) {
-        return x.change != y.change ? x.change < y.change : effect(x) > effect(y);
-    });
+            comparison.cases.push_back({row["id"], "", Change::onlyB, {}, sideOf(b, row), {}, {}});
+    std::ranges::stable_sort(comparison.cases, comesBefore);
+    return comparison;
+}
+
+Result<Comparison> comparePairsChecked(const Json& a, const Json& b, std::span<const std::string> axisWords) {
+    const auto axes = parsePairAxes(axisWords, a);
+    SKINBENCH_TRY(axes);
+    Comparison comparison = startComparison(a, b);
+    const Pairing pairing = pairCases(a, b, *axes);
+    std::string names;
+    for (const PairAxis& axis : *axes) {
+        comparison.pairedBy.push_back(axis.name);
+        names += (names.empty() ? "" : ", ") + axis.name;
+    }
+    if (pairing.pairs.empty()) return inputError("no two cases are equal but for " + names);
+    comparison.alone = pairing.alone;
+    auto begin = pairing.pairs.begin();
+    while (begin != pairing.pairs.end()) {
+        const auto end = std::find_if(begin, pairing.pairs.end(),
+                                      [&](const CasePair& pair) { return pair.direction != begin->direction; });
+        std::vector<ComparedCase> compared;
+        for (; begin != end; ++begin) {
+            compared.push_back(compareCase(a, *begin->a, b, *begin->b, comparison.noiseFloor));
+            compared.back().direction = begin->direction;
+        }
+        std::ranges::stable_sort(compared, comesBefore);
+        comparison.cases.insert(comparison.cases.end(), compared.begin(), compared.end());
+    }
     return comparison;
 }
 
@@ -143,7 +183,7 @@ std::string reasonText(const ComparedSide& side) {
 }
 
 std::string lineText(const ComparedCase& compared, size_t width) {
-    const auto& [name, change, a, b, ratio, interval] = compared;
+    const auto& [name, direction, change, a, b, ratio, interval] = compared;
     const std::string id = terminalText(name, kLongestMessage);
     if (change == Change::onlyA) return std::format("  {}  {}{}\n", id, a.status, reasonText(a));
     if (change == Change::onlyB) return std::format("  {}  {}{}\n", id, b.status, reasonText(b));
@@ -164,7 +204,7 @@ const char* headingOf(Change change) {
         case Change::same:
             return "no difference";
         case Change::unknown:
-            return "not told, fewer than 6 samples";
+            return "not known, fewer than 6 samples";
         case Change::broken:
             return "ok in A, not in B";
         case Change::mended:
@@ -183,7 +223,8 @@ const char* headingOf(Change change) {
 
 Json sideJson(const ComparedSide& side) {
     if (side.status.empty()) return nullptr;
-    return {{"status", side.status},
+    return {{"id", side.id},
+            {"status", side.status},
             {"reason", side.reason.empty() ? Json(nullptr) : Json(side.reason)},
             {"median_ms", side.median ? Json(*side.median) : Json(nullptr)},
             {"software", side.software}};
@@ -197,11 +238,23 @@ const char* changeName(Change change) {
     return names[static_cast<size_t>(change)];
 }
 
+static std::unexpected<Error> wrongKind(const Json::exception& error) {
+    return inputError("a result file holds a value of the wrong kind: " + std::string(error.what()));
+}
+
 Result<Comparison> compareResults(const Json& a, const Json& b) {
     try {
         return compareChecked(a, b);
     } catch (const Json::exception& error) {
-        return inputError("a result file holds a value of the wrong kind: " + std::string(error.what()));
+        return wrongKind(error);
+    }
+}
+
+Result<Comparison> comparePairs(const Json& a, const Json& b, std::span<const std::string> axisWords) {
+    try {
+        return comparePairsChecked(a, b, axisWords);
+    } catch (const Json::exception& error) {
+        return wrongKind(error);
     }
 }
 
@@ -216,11 +269,14 @@ std::vector<std::string> findWorse(const Comparison& comparison, double percent,
     };
     auto nothing = [](const ComparedCase&) { return std::string(); };
     auto inB = [](const ComparedCase& c) { return ", " + c.b.status + reasonText(c.b); };
+    const double allowed = std::max(percent / 100, comparison.noiseFloor);
     add(
         std::format("is more than {} % slower", percent).c_str(),
         std::format("are more than {} % slower", percent).c_str(),
-        [&](const ComparedCase& c) { return c.change == Change::slower && (*c.ratio - 1) * 100 > percent; },
-        [](const ComparedCase& c) { return std::format(", takes {:.4f} of A", *c.ratio); });
+        [&](const ComparedCase& c) { return c.interval && c.interval->low > 1 + allowed; },
+        [](const ComparedCase& c) {
+            return std::format(", takes {:.4f} of A ({:.4f} to {:.4f})", *c.ratio, c.interval->low, c.interval->high);
+        });
     add(
         "is ok in A and not in B", "are ok in A and not in B",
         [](const ComparedCase& c) { return c.change == Change::broken; }, inB);
@@ -248,6 +304,7 @@ Json comparisonJson(const Comparison& comparison) {
     for (const ComparedCase& compared : comparison.cases) {
         const auto& interval = compared.interval;
         cases.push_back({{"id", compared.id},
+                         {"direction", compared.direction.empty() ? Json(nullptr) : Json(compared.direction)},
                          {"change", changeName(compared.change)},
                          {"a", sideJson(compared.a)},
                          {"b", sideJson(compared.b)},
@@ -259,33 +316,71 @@ Json comparisonJson(const Comparison& comparison) {
             {"noise_floor", comparison.noiseFloor},
             {"noise_floor_measured", comparison.noiseFloorMeasured},
             {"placement_covered", comparison.placementCovered},
+            {"paired_by", comparison.pairedBy},
+            {"alone", comparison.alone},
             {"cases", cases}};
 }
 
-std::string comparisonText(const Comparison& comparison) {
+// "A → B is codec: uc → pc, 7 pairs: B/A from 0.9812 to 1.1201, median 1.0503"
+static std::string directionText(const std::vector<const ComparedCase*>& pairs) {
+    std::string text =
+        std::format("A → B is {}, {} {}", pairs.front()->direction, pairs.size(), pairs.size() == 1 ? "pair" : "pairs");
+    std::vector<double> ratios;
+    bool software = false;
+    for (const ComparedCase* pair : pairs) {
+        if (!pair->ratio) continue;
+        ratios.push_back(*pair->ratio);
+        software = software || pair->a.software || pair->b.software;
+    }
+    if (ratios.empty()) return text;
+    const Summary summary = summarise(ratios);
+    const char* mark = software ? "*" : "";
+    return text + std::format(": B/A from {:.4f}{} to {:.4f}{}, median {:.4f}{}", summary.min, mark, summary.max, mark,
+                              summary.median, mark);
+}
+
+// The cases of one direction, under a heading for each Change.
+static std::string groupsText(const std::vector<const ComparedCase*>& cases, size_t width) {
     std::string text;
-    for (const std::string& difference : comparison.differences) text += "differs: " + difference + "\n";
+    const ComparedCase* previous = nullptr;
+    for (const ComparedCase* compared : cases) {
+        if (!previous || previous->change != compared->change) {
+            const auto count = std::ranges::count_if(
+                cases, [&](const ComparedCase* other) { return other->change == compared->change; });
+            const std::string heading = std::format("{} ({})", headingOf(compared->change), count);
+            text += compared->ratio ? std::format("\n{:<{}}  {:>10} {:>10}   {:>7}  {}\n", heading, width + 2, "A ms",
+                                                  "B ms", "B/A", "95 % interval")
+                                    : "\n" + heading + "\n";
+        }
+        text += lineText(*compared, width);
+        previous = compared;
+    }
+    return text;
+}
+
+std::string comparisonText(const Comparison& comparison, size_t width) {
+    std::string text;
+    for (const std::string& difference : comparison.differences)
+        text += wrapText("differs: " + difference, width, 9) + "\n";
     text +=
         std::format("noise floor: {:.2f} %{}\n", comparison.noiseFloor * 100,
                     comparison.noiseFloorMeasured ? "" : " (0.30 % stands for a file that did not measure its own)");
-    size_t width = 4;
+    size_t idWidth = 4;
     bool software = false;
     for (const ComparedCase& compared : comparison.cases) {
-        if (compared.ratio) width = std::max(width, terminalText(compared.id, kLongestMessage).size());
+        if (compared.ratio) idWidth = std::max(idWidth, terminalText(compared.id, kLongestMessage).size());
         software = software || compared.a.software || compared.b.software;
     }
-    const ComparedCase* previous = nullptr;
-    for (const ComparedCase& compared : comparison.cases) {
-        if (!previous || previous->change != compared.change) {
-            const auto count = std::ranges::count(comparison.cases, compared.change, &ComparedCase::change);
-            const std::string heading = std::format("{} ({})", headingOf(compared.change), count);
-            text += compared.ratio ? std::format("\n{:<{}}  {:>10} {:>10}   {:>7}  {}\n", heading, width + 2, "A ms",
-                                                 "B ms", "B/A", "95 % interval")
-                                   : "\n" + heading + "\n";
-        }
-        text += lineText(compared, width);
-        previous = &compared;
+    for (auto begin = comparison.cases.begin(); begin != comparison.cases.end();) {
+        std::vector<const ComparedCase*> cases;
+        const std::string direction = begin->direction;
+        for (; begin != comparison.cases.end() && begin->direction == direction; ++begin) cases.push_back(&*begin);
+        if (!direction.empty()) text += "\n" + wrapText(directionText(cases), width, 2) + "\n";
+        text += groupsText(cases, idWidth);
     }
+    if (comparison.alone > 0)
+        text += std::format("\n{} of A without a partner\n",
+                            comparison.alone == 1 ? "1 case is" : std::format("{} cases are", comparison.alone));
     const bool hardware = std::ranges::any_of(
         comparison.cases, [](const ComparedCase& compared) { return compared.ratio && !compared.b.software; });
     if (hardware && !comparison.placementCovered)

@@ -1,7 +1,8 @@
-// Two result files case by case: what became faster or slower, and what is only noise.
+// Two result files case by case, or pairs of cases: what became faster or slower, and what is only noise.
 #pragma once
 
 #include <optional>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -9,6 +10,7 @@
 
 #include "common/core/result.h"
 #include "common/core/stats.h"
+#include "common/report/pairs.h"
 
 namespace skinbench {
 
@@ -22,7 +24,7 @@ inline constexpr size_t kFewestSamples = 6;
 
 enum class Change {
     slower,   // the interval of the ratio lies above 1, and the ratio outside the noise floor
-    faster,   // so too, below 1
+    faster,   // the same below 1
     same,     // no difference: noise
     unknown,  // too few samples in one of the files
     broken,   // ok in A, skipped or failed in B
@@ -37,13 +39,14 @@ const char* changeName(Change change);
 
 // A case of one file; empty where the file does not have the case.
 struct ComparedSide {
-    std::string status, reason;
+    std::string id, status, reason;
     std::optional<double> median;  // milliseconds a frame, above 0
     bool software = false;         // timed on a software driver
 };
 
 struct ComparedCase {
-    std::string id;
+    std::string id;         // of A's case where A has one
+    std::string direction;  // CasePair::direction; empty for the same case in both
     Change change = Change::same;
     ComparedSide a, b;
     std::optional<double> ratio;       // of the medians, B / A; above 1 is slower
@@ -53,22 +56,30 @@ struct ComparedCase {
 struct Comparison {
     std::vector<std::string> differences;  // of scene, devices, settings, host and program, a line each
     double noiseFloor = kDefaultNoiseFloor;
-    bool noiseFloorMeasured = false;  // in both files
-    bool placementCovered = true;     // false: a file kept its cases in place and measured no noise floor
-    std::vector<ComparedCase> cases;  // in the order of Change, within it the largest effect first
+    bool noiseFloorMeasured = false;    // in both files
+    bool placementCovered = true;       // false: a file kept its cases in place and measured no noise floor
+    std::vector<std::string> pairedBy;  // names of axes; empty: the same cases were compared
+    size_t alone = 0;                   // cases of A without a partner, where pairs were compared
+    std::vector<ComparedCase> cases;    // by direction, in the order of Change, within it the largest effect first
 };
 
-// Both as loadResults gives them. An error names A or B and what is wrong with a value.
+// The same cases of both files, as loadResults gives them. An error names A or B and what is wrong with a value, or
+// says why the files have no case in common.
 Result<Comparison> compareResults(const nlohmann::ordered_json& a, const nlohmann::ordered_json& b);
 
-// What makes `--fail-above percent` fail, a sentence for each kind: cases that are slower beyond noise, that are ok in
-// A and missing in B (unless allowed) or not ok there, that failed in B, that have no time or too few samples; and that
-// nothing was compared at all. Empty: B is no worse than A.
+// Cases that are equal but for some axes, of two files or, where `b` is `a`, of one. That there is no pair is an error.
+Result<Comparison> comparePairs(const nlohmann::ordered_json& a, const nlohmann::ordered_json& b,
+                                std::span<const std::string> axisWords);
+
+// What makes `--fail-above percent` fail, a sentence for each kind: cases whose whole interval lies more than `percent`
+// and the noise floor above 1, that are ok in A and missing in B (unless allowed) or not ok there, that failed in B,
+// that have no time or too few samples; and that nothing was compared at all. Empty: B is no worse than A.
 std::vector<std::string> findWorse(const Comparison& comparison, double percent, bool allowMissing);
 
 nlohmann::ordered_json comparisonJson(const Comparison& comparison);
 
-// Lines for a terminal. Times and ratios of software drivers carry a mark that is explained below.
-std::string comparisonText(const Comparison& comparison);
+// Lines for a terminal; what differs between the files is broken at `width` characters, 0: not at all. Times and ratios
+// of software drivers carry a mark that is explained below.
+std::string comparisonText(const Comparison& comparison, size_t width = 0);
 
 }  // namespace skinbench

@@ -72,14 +72,18 @@ std::string resultsCsv(const nlohmann::ordered_json& results);
 // Fixed-width lines for a terminal. Times of software drivers carry a mark that is explained below the table.
 std::string resultsTable(const nlohmann::ordered_json& results);
 
-// Reads a result file and completes it; the error says what is wrong with it.
+// A folder stands for the results.json in it.
+std::string resultsFileOf(const std::string& path);
+
+// Reads a result file, or that of a folder, and completes it; the error says what is wrong with it.
 Result<nlohmann::ordered_json> loadResults(const std::string& path);
 
 // Whether a route, or that of a case, is carried by a software driver; both as loadResults gives them.
 bool isSoftwareRoute(const nlohmann::ordered_json& results, const std::string& route);
 bool isSoftware(const nlohmann::ordered_json& results, const nlohmann::ordered_json& row);
 
-// One self-contained page of one or more result files, which are in it as JSON; `names` of the files may be fewer.
+// One self-contained page of one or more result files, which are in it as JSON; `names` of the files, as
+// their reader knows them, may be fewer.
 std::string reportHtml(const std::vector<nlohmann::ordered_json>& results, const std::vector<std::string>& names = {});
 
 }  // namespace skinbench

@@ -1,5 +1,6 @@
 // Result files back from disk. They may come from another version of the program, from a person, or from a stranger.
 #include <algorithm>
+#include <filesystem>
 #include <format>
 
 #include <nlohmann/json.hpp>
@@ -155,8 +156,17 @@ Result<void> checkResults(const Json& json) {
 
 }  // namespace
 
+std::string resultsFileOf(const std::string& path) {
+    std::error_code failed;
+    return std::filesystem::is_directory(path, failed) ? (std::filesystem::path(path) / "results.json").string() : path;
+}
+
 Result<Json> loadResults(const std::string& path) {
-    auto text = readWholeFile(path);
+    const std::string file = resultsFileOf(path);
+    std::error_code failed;
+    if (file != path && !std::filesystem::exists(file, failed))
+        return inputError(path + ": is a folder without a results.json");
+    auto text = readWholeFile(file);
     SKINBENCH_TRY(text);
     if (auto small = checkJsonShape(*text); !small) return inputError(path + ": " + small.error().text);
     Json json = Json::parse(*text, nullptr, false);

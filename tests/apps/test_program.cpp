@@ -116,7 +116,7 @@ TEST_CASE("words that do not exist") {
         {{"reproduce", "torabi", "--routes", "vk,dx"}, 2, "no route 'dx'; there is vk"},
         {{"reproduce", "kimmersdorfer", "--routes", "cpu"}, 2, "none of these variants exists"},
         {{"compare"}, 2, "A"},
-        {{"compare", "a.json"}, 2, "B"},
+        {{"compare", "a.json"}, 2, "a second file, B, or --pair AXIS"},
         {{"compare", "a.json", "b.json", "c.json"}, 2, "c.json"},
         {{"compare", "a.json", "b.json", "--fail-above"}, 2, "--fail-above"},
         {{"compare", "a.json", "b.json", "--fail-above", "much"}, 2, "--fail-above"},
@@ -386,7 +386,7 @@ TEST_CASE("files that are no results") {
     fixture::writeText("plain", "x");
     checkRefused({
         {{"report", "missing.json"}, 2, "missing.json"},
-        {{"report", "."}, 2, "folder"},
+        {{"report", "."}, 2, ".: is a folder without a results.json"},
         {{"report", "empty.json"}, 2, "is not JSON"},
         {{"report", "broken.json"}, 2, "is not JSON"},
         {{"report", "other.json"}, 2, "schema"},

@@ -44,11 +44,13 @@ TEST_CASE("bench writes what it prints, and report makes a page of it") {
     for ([[maybe_unused]] const auto& entry : fs::directory_iterator(pathOf("run/deep"))) ++files;
     CHECK(files == 3);
 
-    const Outcome report = call({"report", "run/deep/results.json", "run/deep/results.json", "-o", "r.html"});
+    const Outcome report = call({"report", "run/deep/results.json", "run/deep/", "-o", "r.html"});
     CHECK(report.status == 0);
     CHECK(report.err == "");
     const auto made = readWholeFile(pathOf("r.html"));
     REQUIRE(made);
+    for (const char* name : {"data-name=\"run/deep/results.json\"", "data-name=\"run/deep/\""})
+        CHECK_THAT(*made, ContainsSubstring(name));
     CHECK(made->size() > page->size());
     fixture::writeText("plain", "x");
     checkRefused(call({"report", "run/deep/results.json", "-o", "plain/r.html"}), 2, "plain/r.html");
@@ -58,8 +60,11 @@ TEST_CASE("bench writes what it prints, and report makes a page of it") {
     const Outcome same = call(compare);
     CHECK(same.status == 0);
     CHECK(same.err == "");
-    CHECK_THAT(same.out, ContainsSubstring("not told, fewer than 6 samples"));
+    CHECK_THAT(same.out, ContainsSubstring("not known, fewer than 6 samples"));
     CHECK(same.out.find("differs") == std::string::npos);
+    const Outcome pairs = call({"compare", "run/deep", "--pair", "variant", "--json"});
+    CHECK(pairs.status == 0);
+    CHECK(json::parse(pairs.out, nullptr, false)["paired_by"] == json{"variant"});
     json broken = printed;
     for (json& row : broken["cases"])
         if (row["route"] == "cpu") row["status"] = "failed", row["reason"] = "wrong";

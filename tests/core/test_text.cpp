@@ -40,6 +40,16 @@ TEST_CASE("a long message keeps its beginning and its end") {
     CHECK(terminalText(std::string(10, '\n'), 9) == "\\n\\n…\\n\\n");
 }
 
+TEST_CASE("a long line is broken at spaces, and nothing else of it changes") {
+    const std::string line = "differs: settings copies: 7 in A, 8 in B; größer";
+    CHECK(wrapText(line, 0) == line);
+    CHECK(wrapText(line, 48, 2) == line);
+    CHECK(wrapText(line, 47, 2) == "differs: settings copies: 7 in A, 8 in B;\n  größer");
+    CHECK(wrapText(line, 20, 2) == "differs: settings\n  copies: 7 in A, 8\n  in B; größer");
+    CHECK(wrapText("unbreakable words", 3, 1) == "unbreakable\n words");
+    CHECK(wrapText("", 10) == "");
+}
+
 TEST_CASE("a field of a CSV file is one field, and no formula") {
     CHECK(csvText("plain text") == "plain text");
     CHECK(csvText("a,b") == "\"a,b\"");

@@ -325,12 +325,16 @@ def main():
         use_file_of_tomorrow(browser, make(skinbench, folder, "tomorrow", [of_tomorrow()]))
 
         other = results(software=True)
+        other["settings"]["copies"] = 9
         page = make(skinbench, folder, "two", [content, other, content])
         for width in (390, 1280):
             browser.open(page, width)
             check(browser.value("document.documentElement.scrollWidth") <= width, f"the page is no wider than {width}")
             check(browser.complaints() == [], f"the console is silent with several files: {browser.complaints()}")
         check(browser.value("document.querySelectorAll('#files svg').length") == 1, "equal cases of files are compared")
+        compared = browser.value("document.getElementById('files').innerText")
+        check("settings: copies\t7\t9\t7" in compared and "width" not in compared, f"settings that differ are named: {compared}")
+        check(os.path.join(folder, "two_1.json") in compared, "files are named as they were typed")
         medians = browser.value(ROWS + ".filter((r) => r.className === 'software')"
                                 ".map((r) => r.children[2].textContent)")
         check(len(medians) == 16 and all(value == "–" or value.endswith("*") for value in medians),

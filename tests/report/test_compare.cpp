@@ -1,6 +1,7 @@
 // Which cases differ between two result files.
 #include <algorithm>
 #include <cmath>
+#include <format>
 #include <random>
 
 #include <catch2/catch_approx.hpp>
@@ -53,6 +54,34 @@ Json file(const std::vector<Json>& cases) {
         {"scene", {{"name", "hero"}, {"vertices", 100}}},
         {"settings", {{"copies", 7}, {"frames", 30}}},
         {"cases", cases}};
+}
+
+Json axis(const std::string& name, const Json& usual, const std::vector<std::string>& values, bool topLevel,
+          const Json& beside = nullptr) {
+    return {{"name", name},     {"option", "--" + name + "s"},
+            {"usual", usual},   {"top_level", topLevel},
+            {"values", values}, {"beside", beside}};
+}
+
+// A file with axes of its own: tint means something beside size alone.
+Json withAxes(const std::vector<Json>& cases) {
+    Json results = file(cases);
+    results["axes"] = {axis("route", nullptr, {"vk", "gl"}, true), axis("variant", nullptr, {"none", "vertex"}, true),
+                       axis("codec", "uc", {"uc", "oss", "pc"}, true), axis("size", "10", {}, false),
+                       axis("tint", "no", {"no", "yes"}, false, "size")};
+    return results;
+}
+
+// A case of such a file; the id begins with route, variant and codec.
+Json option(const std::string& id, const std::string& size, const std::string& tint,
+            const std::vector<double>& samples) {
+    Json row = timed(id, samples);
+    const size_t first = id.find('/'), second = id.find('/', first + 1);
+    row["route"] = id.substr(0, first);
+    row["variant"] = id.substr(first + 1, second - first - 1);
+    row["codec"] = id.substr(second + 1, id.find('+') - second - 1);
+    row["options"] = {{"size", size}, {"tint", tint}};
+    return row;
 }
 
 const ComparedCase& find(const Comparison& comparison, const std::string& id) {
@@ -223,11 +252,9 @@ TEST_CASE("a guard that compares nothing fails") {
     };
     CHECK(worse(full, full, false).empty());
     const std::string nothing = "no case was compared: A and B have none that is timed in both";
-    CHECK(worse(full, file({}), false) ==
-          std::vector<std::string>{"2 of 2 cases are ok in A and missing in B; the first, x"});
-    CHECK(worse(full, file({}), true) == std::vector{nothing});
-    CHECK(worse(file({}), full, false) == std::vector{nothing});
     CHECK(worse(full, file({timed("x", spread(10, 0.01, 20))}), true).empty());
+    CHECK(worse(full, file({timed("x", spread(10, 0.01, 20))}), false) ==
+          std::vector<std::string>{"1 of 2 cases is ok in A and missing in B; the first, y"});
     const Json few = file({timed("x", spread(10, 0.01, 5))});
     CHECK(worse(few, few, false) ==
           std::vector<std::string>{"1 of 1 cases has too few samples to be compared; the first, x"});
@@ -237,23 +264,33 @@ TEST_CASE("a guard that compares nothing fails") {
           std::vector<std::string>{"1 of 1 cases failed in B and was not ok in A; the first, x, failed: wrong"});
 }
 
-TEST_CASE("worse is slower than allowed and beyond noise") {
-    const Json a = file({timed("five", spread(10, 0.01, 30, 1)), timed("noise", {8, 9, 9.5, 10, 10.5, 11, 12, 13})});
-    const Json b =
-        file({timed("five", spread(10.5, 0.01, 30, 3)), timed("noise", {8.2, 9.1, 9.9, 10.4, 11, 11.5, 12, 14})});
+TEST_CASE("worse is a whole interval above what is allowed and above noise") {
+    // The interval of "wide" misses 1, its ratio is above 1.05; the interval's end is not.
+    const Json a = file({timed("five", spread(10, 0.01, 30, 1)), timed("wide", spread(10, 0.1, 12, 5))});
+    Json b = file({timed("five", spread(10.5, 0.01, 30, 3)), timed("wide", spread(11.2, 0.1, 12, 6))});
     const auto compared = compareResults(a, b);
     REQUIRE(compared);
-    CHECK(findWorse(*compared, 3, false).size() == 1);
-    CHECK_THAT(findWorse(*compared, 3, false).front(),
-               ContainsSubstring("1 of 2 cases is more than 3 % slower; the first, five, takes 1.0"));
+    const ComparedCase wide = find(*compared, "wide");
+    REQUIRE(wide.change == Change::slower);
+    REQUIRE(wide.interval->low > 1);
+    REQUIRE(wide.interval->low < 1.05);
+    CHECK(*wide.ratio > 1.05);
+    CHECK(findWorse(*compared, 5, false).empty());
+    const std::vector<std::string> worse = findWorse(*compared, 4, false);
+    REQUIRE(worse.size() == 1);
+    CHECK_THAT(worse[0], ContainsSubstring("1 of 2 cases is more than 4 % slower; the first, five, takes 1.04"));
     CHECK(findWorse(*compared, 8, false).empty());
     const auto turned = compareResults(b, a);
     REQUIRE(turned);
     CHECK(findWorse(*turned, 0, false).empty());
+    b["noise_floor"] = 0.06;
+    const auto noisy = compareResults(a, b);
+    REQUIRE(noisy);
+    CHECK(findWorse(*noisy, 0, false).empty());
 }
 
-TEST_CASE("what differs between the files is said") {
-    const Json a = file({});
+TEST_CASE("what differs between the files is said, and broken at the terminal's width") {
+    const Json a = file({untimed("x", "skipped", "no GPU")});
     Json b = a;
     b["tool"]["revision"] = "def";
     b["settings"]["copies"] = 8;
@@ -262,11 +299,99 @@ TEST_CASE("what differs between the files is said") {
     b["devices"][0]["name"] = "Faster card";
     const auto compared = compareResults(a, b);
     REQUIRE(compared);
-    const std::vector<std::string> wanted = {"devices: vulkan: Card, 1 | vulkan: Faster card, 1",
-                                             "scene name: hero | other", "settings copies: 7 | 8",
-                                             "settings new: – | true", "tool revision: abc | def"};
+    const std::vector<std::string> wanted = {"devices: vulkan: Card, 1 in A, vulkan: Faster card, 1 in B",
+                                             "scene name: hero in A, other in B", "settings copies: 7 in A, 8 in B",
+                                             "settings new: not said in A, true in B",
+                                             "tool revision: abc in A, def in B"};
     CHECK(compared->differences == wanted);
-    for (const std::string& line : wanted) CHECK_THAT(comparisonText(*compared), ContainsSubstring("differs: " + line));
+    for (const std::string& line : wanted)
+        CHECK_THAT(comparisonText(*compared), ContainsSubstring("differs: " + line + "\n"));
+    CHECK_THAT(comparisonText(*compared, 40), ContainsSubstring("differs: settings copies: 7 in A, 8 in B\n"
+                                                                "differs: settings new: not said in A,\n"
+                                                                "         true in B\n"));
+}
+
+TEST_CASE("files without a common case are refused with what they differ in") {
+    const std::vector<double> samples = spread(10, 0.01, 20);
+    auto refused = [](const Json& a, const Json& b, const std::string& why) {
+        const auto compared = compareResults(a, b);
+        REQUIRE(!compared);
+        CHECK(compared.error().fault == Fault::input);
+        CHECK(compared.error().text == "A and B have no case in common: " + why);
+    };
+    const Json uc = withAxes({option("vk/vertex/uc", "10", "no", samples)});
+    refused(uc, withAxes({option("vk/vertex/pc", "10", "no", samples)}),
+            "they differ in codec (uc in A, pc in B); --pair codec compares them");
+    refused(uc, withAxes({option("gl/vertex/pc", "12", "no", samples), option("gl/vertex/oss", "10", "no", samples)}),
+            "they differ in route (vk in A, gl in B), codec (uc in A, oss, pc in B); --pair route,codec compares them");
+    refused(withAxes({option("vk/vertex/uc", "10", "no", samples), option("gl/vertex/pc", "10", "no", samples)}),
+            withAxes({option("gl/vertex/uc", "10", "no", samples), option("vk/vertex/pc", "10", "no", samples)}),
+            "they combine the same options in other ways");
+    refused(uc, withAxes({}), "B has no case at all");
+}
+
+TEST_CASE("pairs of one file are equal but for the named axes, from the usual value to the others") {
+    const Json a = withAxes({option("vk/vertex/uc", "10", "no", spread(10, 0.001, 20)),
+                             option("vk/vertex/pc", "10", "no", spread(11, 0.001, 20)),
+                             option("vk/vertex/oss", "10", "no", spread(9, 0.001, 20)),
+                             option("vk/compute/pc", "10", "no", spread(5, 0.001, 20)),
+                             option("vk/compute/oss", "10", "no", spread(6, 0.001, 20)),
+                             option("vk/compute/pc+again", "10", "no", spread(7, 0.001, 20)),
+                             option("gl/vertex/uc", "12", "no", spread(10, 0.001, 20))});
+    const std::vector<std::string> words = {"--codecs"};
+    const auto compared = comparePairs(a, a, words);
+    REQUIRE(compared);
+    std::vector<std::string> found;
+    for (const ComparedCase& pair : compared->cases)
+        found.push_back(std::format("{} {} {} {:.1f}", pair.direction, pair.id, pair.b.id, *pair.ratio));
+    CHECK(found == std::vector<std::string>{"codec: uc → oss vk/vertex/uc vk/vertex/oss 0.9",
+                                            "codec: uc → pc vk/vertex/uc vk/vertex/pc 1.1",
+                                            "codec: oss → pc vk/compute/oss vk/compute/pc 0.8"});
+    CHECK(compared->alone == 2);
+    CHECK(compared->differences.empty());
+    const std::string text = comparisonText(*compared);
+    CHECK_THAT(text, ContainsSubstring("A → B is codec: uc → oss, 1 pair: B/A from 0.9") &&
+                         ContainsSubstring("2 cases are of A without a partner"));
+    const Json json = comparisonJson(*compared);
+    CHECK(json["paired_by"] == Json{"codec"});
+    CHECK(json["cases"][1]["direction"] == "codec: uc → pc");
+    CHECK(json["cases"][1]["b"]["id"] == "vk/vertex/pc");
+
+    // The named value is A's, and an axis that hangs on a paired one may differ too.
+    const std::vector<std::string> fromPc = {"codec=pc", "route"};
+    const auto turned = comparePairs(a, a, fromPc);
+    REQUIRE(turned);
+    CHECK(find(*turned, "vk/vertex/pc").direction == "codec: pc → uc");
+    CHECK(std::ranges::all_of(turned->cases, [](const ComparedCase& pair) { return pair.a.id.contains("/pc"); }));
+    const Json warm = withAxes({option("vk/vertex/uc", "10", "no", spread(10, 0.001, 20)),
+                                option("vk/vertex/uc+hot", "12", "yes", spread(10, 0.001, 20))});
+    const std::vector<std::string> size = {"size"};
+    const auto beside = comparePairs(warm, warm, size);
+    REQUIRE(beside);
+    REQUIRE(beside->cases.size() == 1);
+    CHECK(beside->cases[0].direction == "size: 10 → 12, tint: no → yes");
+}
+
+TEST_CASE("pairs of two files, and pairs that cannot be") {
+    const Json a = withAxes({option("vk/vertex/uc", "10", "no", spread(10, 0.001, 20))});
+    const Json b = withAxes({option("vk/vertex/pc", "10", "no", spread(12, 0.001, 20)),
+                             option("vk/vertex/uc", "10", "no", spread(10, 0.001, 20))});
+    const std::vector<std::string> codec = {"codec"};
+    const auto compared = comparePairs(a, b, codec);
+    REQUIRE(compared);
+    REQUIRE(compared->cases.size() == 1);
+    CHECK(compared->cases[0].change == Change::slower);
+    CHECK(findWorse(*compared, 5, false).size() == 1);
+    auto refused = [&](const std::vector<std::string>& words, const std::string& part) {
+        const auto pairs = comparePairs(a, a, words);
+        REQUIRE(!pairs);
+        CHECK(pairs.error().fault == Fault::input);
+        CHECK_THAT(pairs.error().text, ContainsSubstring(part));
+    };
+    refused({"colour"}, "--pair 'colour': no axis has that name; there is route, variant, codec, size, tint");
+    refused({"codec=pc"}, "no case of A has it; there is uc");
+    refused({"codec", "codecs"}, "names the axis codec twice");
+    refused({"codec"}, "no two cases are equal but for codec");
 }
 
 TEST_CASE("software drivers are marked in a comparison") {

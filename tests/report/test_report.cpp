@@ -436,7 +436,12 @@ TEST_CASE("what is no result file is told with its path") {
         CHECK_THAT(loaded.error().text, ContainsSubstring(why));
     };
     refused((fixture::temporaryFolder() / "nothing.json").string(), "No such file");
-    refused(fixture::temporaryFolder().string(), "is a folder");
+    const auto folder = fixture::temporaryFolder() / "a_folder";
+    std::filesystem::create_directories(folder);
+    refused(folder.string(), "is a folder without a results.json");
+    fixture::writeText("a_folder/results.json", sample().dump());
+    CHECK(loadResults(folder.string()).has_value());
+    std::filesystem::remove(folder / "results.json");
     refused(fixture::writeText("empty.json", ""), "is not JSON");
     refused(fixture::writeText("broken.json", sample().dump().substr(0, 300)), "is not JSON");
     refused(fixture::writeText("array.json", "[1, 2]"), "schema is not skinbench-results/1");

@@ -39,6 +39,12 @@ function contextLine(file) {
     return facts.join(" · ");
 }
 
+// Files are named as the one who made the page typed them: a path, or a folder.
+function downloadName(file) {
+    const last = file.name.split("/").filter(Boolean).pop() || "results";
+    return last.endsWith(".json") ? last : `${last}.json`;
+}
+
 function downloadButton(file) {
     return h(
         "button",
@@ -49,7 +55,7 @@ function downloadButton(file) {
                 const address = URL.createObjectURL(
                     new Blob([file.element.textContent + "\n"], {type: "application/json"}),
                 );
-                const link = h("a", {href: address, download: file.name || "results.json"});
+                const link = h("a", {href: address, download: downloadName(file)});
                 link.click();
                 setTimeout(() => URL.revokeObjectURL(address), 10_000);
             },

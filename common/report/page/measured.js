@@ -279,23 +279,32 @@ function filesChart() {
             groups.push({label: `${file.label}: ${route}`, pairs: own});
     }
     if (!groups.length) return null;
-    const differing = (read) => unique(files.map((file) => JSON.stringify(read(file)))).length > 1;
-    const differs = [
-        ["scenes", (f) => f.sceneName],
-        ["devices", (f) => f.devices.map((d) => [d.name, d.driver])],
-        ["settings", (f) => f.settings],
-        ["revisions", (f) => f.tool.revision],
-    ]
-        .filter(([, read]) => differing(read))
-        .map(([name]) => name);
     return ratioChart({
         title: `Ratio to ${first.label}`,
         groups,
         note:
             `The same case in each file over that in ${first.label}; left of 1 is faster. ` +
-            (differs.length
-                ? `The files differ in ${differs.join(", ")}. `
-                : "Scene, device, settings and revision are the same. ") +
             '"skinbench compare" tells differences from noise.',
     });
+}
+
+// Every setting, device and fact of the scene that is not the same in all files, with its values.
+function differencesTable() {
+    const facts = (file) => {
+        const devices = file.devices.map((device) => `${apiName(device.api)}: ${device.name}, ${device.driver}`);
+        const groups = {scene: file.scene, settings: file.settings, host: file.host, tool: file.tool};
+        return new Map([
+            ["devices", devices.join("; ") || "none"],
+            ...Object.entries(groups).flatMap(([group, values]) =>
+                Object.entries(values).map(([name, value]) => [`${group}: ${name.replaceAll("_", " ")}`, valueText(value)]),
+            ),
+        ]);
+    };
+    const known = files.map(facts);
+    const rows = unique(known.flatMap((values) => [...values.keys()]))
+        .map((name) => [name, ...known.map((values) => values.get(name) ?? kAbsent)])
+        .filter(([, ...values]) => unique(values).length > 1);
+    return rows.length
+        ? [note("The files differ in:"), plainTable({head: ["", ...files.map((file) => file.label)], rows})]
+        : [note("Scene, devices, settings and revision are the same in all files.")];
 }

@@ -166,7 +166,7 @@ function readFiles() {
     const files = [...document.querySelectorAll("script.results")].map(readFile);
     files.forEach((file, index) => {
         file.number = index + 1;
-        const shownName = (other) => other.name.replace(/\.json$/, "") || other.sceneName;
+        const shownName = (other) => other.name || other.sceneName;
         const same = files.filter((other) => shownName(other) === shownName(file)).length > 1;
         file.label = same ? `${file.number}: ${shownName(file)}` : shownName(file);
     });
