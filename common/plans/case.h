@@ -85,10 +85,10 @@ struct ComputeOptions {
     bool staged = false;         // the work group first copies its palette to shared memory
     bool previous = false;       // a vertex keeps its position of one update ago, for motion vectors
     bool tangents = false;       // unit tangents are skinned too
-    bool shortTangents = false;  // so too, 4 bytes each in and out: octahedral, the lowest bit is the side
     bool earlyExit = false;      // influences behind the one that completes a weight of 1 are not read
     bool packed = false;         // position and a 32-bit normal; the draw reads the uv from the encoded vertex
     bool halfRate = false;       // copies in the far half of the grid are skinned every second frame
+    bool shortTangents = false;  // unit tangents too, 4 bytes each in and out: octahedral, the lowest bit is the side
     bool operator==(const ComputeOptions&) const = default;
 };
 

@@ -171,7 +171,8 @@ TEST_CASE("the result file has the keys of its schema") {
     CHECK(keysOf(row["memory_bytes"]) ==
           Keys{"vertex", "index", "meshlet", "additional_meshlet", "tuple", "palette", "skinned", "total"});
     CHECK(keysOf(row["accuracy"]) == Keys{"max_position_error", "max_normal_error", "tolerance", "codec_position_error",
-                                          "codec_normal_error", "codec_position_bound", "image_difference",
+                                          "codec_normal_error", "codec_position_bound", "palette_rows_error",
+                                          "palette_rows_error_pixels", "undecided_vertices", "image_difference",
                                           "image_reference"});
 }
 
@@ -202,7 +203,8 @@ TEST_CASE("the values of the result file") {
         {"meshlet_limits", "64/124"}, {"influences", "4"},        {"submission", "per-copy"},
         {"back_faces", "culled"},     {"meshlet_vertices", "64"}, {"meshlet_triangles", "124"},
         {"group_size", "32"},         {"joints", "vertex"},       {"loads", "guarded"},
-        {"records", "indexed"},       {"palette", "storage"}};
+        {"records", "indexed"},       {"palette", "storage"},     {"method", "lbs"},
+        {"palette_rows", "f32"},      {"zero_weights", "skip"},   {"arithmetic", "all"}};
     CHECK(nlohmann::json(mesh["options"]) == options);
     CHECK(json["cases"][1]["passes_ms"]["skin"] == 0.2);
     CHECK(json["cases"][1]["accuracy"]["image_difference"] == 0.25);

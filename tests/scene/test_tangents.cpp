@@ -77,14 +77,14 @@ TEST_CASE("tangents of whole characters are unit vectors across the normal") {
         if (auto scene = loadScene(file)) checkPerpendicular(scene->mesh);
 }
 
-TEST_CASE("a tangent in a word keeps its direction within 1e-4 and its side") {
+TEST_CASE("a tangent in a word keeps its direction within 2e-4 and its side") {
     std::mt19937 random(3);
     const auto next = [&] { return static_cast<float>(random()) / 4294967296.0f * 2 - 1; };
     for (int i = 0; i < 2000; ++i) {
         glm::vec4 tangent(glm::normalize(glm::vec3(next(), next(), next())), i % 2 ? 1 : -1);
         if (i < 6) tangent = glm::vec4(i % 3 == 0, i % 3 == 1, i % 3 == 2, 1) * (i < 3 ? 1.0f : -1.0f);
         const glm::vec4 read = unpackTangent(packTangent(tangent));
-        CHECK(glm::distance(glm::vec3(tangent), glm::vec3(read)) < 1e-4f);
+        CHECK(glm::distance(glm::vec3(tangent), glm::vec3(read)) < 2e-4f);
         CHECK(read.w == tangent.w);
     }
     CHECK(packTangent({0, 0, 1, -1}) == 1);

@@ -38,13 +38,24 @@ Scene makeBlended(uint32_t vertices, uint32_t seed) {
     Scene scene = makeBiped(vertices, seed);
     const auto nearest = nearestJoints(scene.skeleton);
     for (Influences& influences : scene.mesh.influences) {
+        const uint16_t heaviest = influences.joints[0];
         size_t count = 0;
         while (count < kInfluences && influences.weights[count] > 0) ++count;
-        for (uint16_t joint : nearest[influences.joints[0]]) {
+        for (uint16_t joint : nearest[heaviest]) {
             const auto end = influences.joints.begin() + static_cast<std::ptrdiff_t>(count);
             if (count == kInfluences || std::find(influences.joints.begin(), end, joint) != end) continue;
-            influences.joints[count] = joint;
-            influences.weights[count++] = kAdded;
+            // Weights descend, of equal ones the smaller joint comes first.
+            const auto isBehind = [&](size_t i) {
+                return influences.weights[i] < kAdded ||
+                       (influences.weights[i] == kAdded && influences.joints[i] > joint);
+            };
+            size_t place = count++;
+            for (; place > 0 && isBehind(place - 1); --place) {
+                influences.joints[place] = influences.joints[place - 1];
+                influences.weights[place] = influences.weights[place - 1];
+            }
+            influences.joints[place] = joint;
+            influences.weights[place] = kAdded;
         }
         float sum = 0;
         for (float weight : influences.weights) sum += weight;
