@@ -14,7 +14,8 @@ bool onNvRoute(const Case& c) { return c.route->dialect == MeshDialect::nv; }
 bool draws(const Case& c) { return c.route->api != Api::cpu; }
 bool fetches(const Case& c) { return c.variant->fetches && !onMeshRoute(c); }
 bool skinsMeshlets(const Case& c) { return onMeshRoute(c) && c.variant->skins; }
-bool choosesJoints(const Case& c) { return skinsMeshlets(c) && !sharesJointLists(c); }
+bool skinsInMesh(const Case& c) { return skinsMeshlets(c) && !c.variant->readsSkinned; }
+bool choosesJoints(const Case& c) { return skinsInMesh(c) && !sharesJointLists(c); }
 bool culls(const Case& c) { return c.cull != Cull::off; }
 bool prepasses(const Case& c) { return c.variant->prepasses; }
 bool skinsOnDevice(const Case& c) { return c.variant->skins && !c.variant->skinsOnHost; }
@@ -266,7 +267,7 @@ void addShapes(std::vector<Axis>& rows) {
     rows.push_back(asShape(
         wordAxis<bool>({.name = "palette",
                         .option = {.name = "palette-buffer", .aliases = {"palette"}, .help = ", of mesh stages"},
-                        .applies = skinsMeshlets,
+                        .applies = skinsInMesh,
                         .noun = "palette buffer"},
                        {{"storage", false}, {"uniform", true, "uniform-palette"}},
                        [](Case& c) -> bool& { return c.shape.uniformPalette; })));
@@ -298,6 +299,13 @@ void addSkinning(std::vector<Axis>& rows) {
                                           {"skip", ZeroWeights::skip},
                                           {"count", ZeroWeights::count, "count-influences"}},
                                          [](Case& c) -> ZeroWeights& { return c.zeroWeights; }));
+    rows.push_back(wordAxis<bool>({.name = "arithmetic",
+                                   .option = {.help = ": loads-only reads what skinning reads and computes nothing"},
+                                   .applies = skinsOnDevice,
+                                   .define = "LOADS_ONLY"},
+                                  {{"all", false}, {"loads-only", true, "loads-only"}},
+                                  [](Case& c) -> bool& { return c.loadsOnly; }));
+    rows.back().changesPicture = true;
 }
 
 void addDraws(std::vector<Axis>& rows) {

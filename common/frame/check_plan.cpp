@@ -8,8 +8,6 @@ namespace skinbench {
 
 namespace {
 
-constexpr uint32_t kJointBytes = 3 * sizeof(vec4);  // a joint's rows in SLOT_PALETTE
-
 std::string mebibytes(uint64_t bytes) { return std::format("{:.1f} MiB", static_cast<double>(bytes) / 1048576); }
 
 std::unexpected<Error> tooLarge(const FramePlan& plan, const std::string& what, uint64_t bytes,
@@ -32,9 +30,8 @@ Result<void> checkMemory(const FramePlan& plan, const DeviceCaps& caps) {
         if (bytes > most) return tooLarge(plan, std::format("a {}buffer of ", kind), bytes, allows(most));
     }
     if (plan.paletteRange > caps.maxUniformBytes)
-        return deviceError(std::format("needs a uniform block of {} bytes for {} joints: {} allows {}",
-                                       plan.paletteRange, plan.paletteRange / kJointBytes, caps.name,
-                                       caps.maxUniformBytes));
+        return deviceError(std::format("needs a uniform block of {} bytes for joints: {} allows {}",
+                                       plan.paletteRange, caps.name, caps.maxUniformBytes));
     const uint64_t most = std::min(caps.maxStorageBytes, caps.maxBufferBytes);
     if (!plan.paletteRange && plan.paletteBytes > most)
         return tooLarge(plan, "a palette of ", plan.paletteBytes, allows(most));

@@ -62,6 +62,9 @@ void addIndexedDraws(FramePlan& plan, Pass& pass, const Case& c, const PlanInput
 void addGroupDraws(Pass& pass, const Case& c, const PlanInput& input, uint32_t groupsOfCopy, uint32_t groupsOfAll,
                    uint32_t most);
 
+// The pass "skin": a compute work group for every COMPUTE_GROUP vertices writes SLOT_SKINNED, which must be there.
+Result<void> addSkinPass(FramePlan& plan, const Case& c, const PlanInput& input, const DeviceCaps& caps);
+
 // A pass with a plain vertex stage over the attributes of SLOT_SKINNED: the same for every variant that
 // has skinned before. `depthOnly` makes it the depth pass of a pre-pass.
 Result<void> addSkinnedDraw(FramePlan& plan, const Case& c, const PlanInput& input, bool depthOnly = false);

@@ -15,6 +15,9 @@ Result<FramePlan> planMesh(const Case& c, const PlanInput& input, const DeviceCa
 // between them.
 Result<FramePlan> planCompute(const Case& c, const PlanInput& input, const DeviceCaps& caps);
 
+// The same "skin", then "draw" with a mesh stage that reads the skinned vertices.
+Result<FramePlan> planComputeMesh(const Case& c, const PlanInput& input, const DeviceCaps& caps);
+
 // A pass "draw" over the skinned vertices that FrameInput::skinned brings; on route cpu no pass at all.
 Result<FramePlan> planCpu(const Case& c, const PlanInput& input, const DeviceCaps& caps);
 

@@ -32,13 +32,26 @@ Result<void> stagePalette(Defines& defines, const PlanInput& input, const Device
 
 }  // namespace
 
-Result<FramePlan> planCompute(const Case& c, const PlanInput& input, const DeviceCaps& caps) {
+Result<void> addSkinPass(FramePlan& plan, const Case& c, const PlanInput& input, const DeviceCaps& caps) {
     Defines defines = caseDefines(c, input);
     if (c.compute.staged) SKINBENCH_TRY(stagePalette(defines, input, caps));
     auto program = makeProgram(c, input, "skin", {{Stage::compute, "compute.glsl"}}, defines);
     SKINBENCH_TRY(program);
-    FramePlan plan = startPlan(c, input);
     plan.programs.push_back(std::move(*program));
+    Pass skin;
+    skin.label = "skin";
+    skin.kind = PassKind::dispatch;
+    skin.program = static_cast<uint32_t>(plan.programs.size() - 1);
+    const uint64_t vertices = input.encoded->vertexCount;
+    auto groups = [](uint64_t count) { return static_cast<uint32_t>((count + COMPUTE_GROUP - 1) / COMPUTE_GROUP); };
+    addGroupDraws(skin, c, input, groups(vertices), groups(vertices * input.copies),
+                  std::max(1u, std::min(caps.maxComputeGroupCount, 65535u)));
+    plan.passes.push_back(std::move(skin));
+    return {};
+}
+
+Result<FramePlan> planCompute(const Case& c, const PlanInput& input, const DeviceCaps& caps) {
+    FramePlan plan = startPlan(c, input);
     addEncoded(plan, input);
     if (c.compute.tangents || c.compute.shortTangents)
         addStream(plan, SLOT_TANGENT, useStorage, tangentBytes(c, input), input.copies);
@@ -46,14 +59,7 @@ Result<FramePlan> planCompute(const Case& c, const PlanInput& input, const Devic
         plan.streams.push_back({.slot = SLOT_SKINNED_TANGENT,
                                 .gpuBytes = uint64_t{input.copies} * input.encoded->vertexCount * sizeof(uint32_t)});
     addSkinnedStream(plan, input, useStorage | useAttributes, skinnedLayout(c).stride);
-    Pass skin;
-    skin.label = "skin";
-    skin.kind = PassKind::dispatch;
-    const uint64_t vertices = input.encoded->vertexCount;
-    auto groups = [](uint64_t count) { return static_cast<uint32_t>((count + COMPUTE_GROUP - 1) / COMPUTE_GROUP); };
-    addGroupDraws(skin, c, input, groups(vertices), groups(vertices * input.copies),
-                  std::max(1u, std::min(caps.maxComputeGroupCount, 65535u)));
-    plan.passes.push_back(std::move(skin));
+    SKINBENCH_TRY(addSkinPass(plan, c, input, caps));
     if (c.scenario == Scenario::prepass) SKINBENCH_TRY(addSkinnedDraw(plan, c, input, true));
     SKINBENCH_TRY(addSkinnedDraw(plan, c, input));
     return plan;

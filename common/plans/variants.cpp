@@ -51,6 +51,11 @@ const std::vector<Variant>& variants() {
          .prepasses = true,
          .storedAs = StoredAs::commonInfluences,
          .plan = planDirect},
+        {.name = "compute-mesh",
+         .what = "a compute pass skins into a buffer, a mesh-shader work group draws a meshlet of it",
+         .onMeshRoutes = true,
+         .readsSkinned = true,
+         .plan = planComputeMesh},
         {.name = "palette",
          .what = "as vertex, in draws whose joints fit the slots of a small uniform palette",
          .onPlainRoutes = true,
@@ -80,6 +85,8 @@ bool runsOn(const Variant& variant, const Route& route) {
     if (route.api == Api::cpu) return variant.onCpuRoute;
     return route.dialect == MeshDialect::none ? variant.onPlainRoutes : variant.onMeshRoutes;
 }
+
+bool posesVertices(const Case& c) { return c.variant->skins && !c.loadsOnly; }
 
 bool onMeshRoute(const Case& c) { return c.route->dialect != MeshDialect::none; }
 

@@ -56,6 +56,7 @@ TEST_CASE("variants run on the routes that can carry them") {
                                                        {"compute", "vk gl"},
                                                        {"mesh", "vk-ext vk-nv gl-ext gl-nv"},
                                                        {"mesh-ci", "vk-ext vk-nv gl-ext gl-nv"},
+                                                       {"compute-mesh", "vk-ext vk-nv gl-ext gl-nv"},
                                                        {"palette", "vk gl"},
                                                        {"cpu", "vk gl cpu"}};
     for (const auto& [variant, names] : wanted) {
