@@ -19,6 +19,7 @@ bool choosesJoints(const Case& c) { return skinsInMesh(c) && !sharesJointLists(c
 bool culls(const Case& c) { return c.cull != Cull::off; }
 bool prepasses(const Case& c) { return c.variant->prepasses; }
 bool skinsOnDevice(const Case& c) { return c.variant->skins && !c.variant->skinsOnHost; }
+bool listsTriangles(const Case& c) { return c.variant->listsTriangles; }
 bool skinsInCompute(const Case& c) { return c.variant->skinsInCompute; }
 bool groupsTriangles(const Case& c) { return sharesJointLists(c) && c.ci.grouping == CiGrouping::triangles; }
 
@@ -316,6 +317,20 @@ void addDraws(std::vector<Axis>& rows) {
                               .applies = usesPartition},
                              {1, UINT16_MAX, "slots-", "", true}, [](Case& c) -> uint32_t& { return c.paletteSlots; }));
     rows.push_back(computeAxis());
+    rows.push_back(wordAxis<uint32_t>({.name = "triangle_tests",
+                                       .option = {.help = ", of compute-cull"},
+                                       .applies = listsTriangles,
+                                       .noun = "set of tests",
+                                       .define = "TRIANGLE_TESTS"},
+                                      {{"all", TEST_FRUSTUM | TEST_BACK | TEST_SMALL},
+                                       {"none", 0, "no-tests"},
+                                       {"frustum", TEST_FRUSTUM, "test-frustum"},
+                                       {"back", TEST_BACK, "test-back"},
+                                       {"small", TEST_SMALL, "test-small"},
+                                       {"frustum+back", TEST_FRUSTUM | TEST_BACK, "test-frustum-back"},
+                                       {"frustum+small", TEST_FRUSTUM | TEST_SMALL, "test-frustum-small"},
+                                       {"back+small", TEST_BACK | TEST_SMALL, "test-back-small"}},
+                                      [](Case& c) -> uint32_t& { return c.triangleTests; }));
     rows.push_back(
         same(wordAxis<int>({.name = "influences", .changes = Changes::scene, .define = "INFLUENCES"},
                            {{"4", 4}, {"8", 8, "8-influences"}}, [](Case& c) -> int& { return c.influences; })));

@@ -108,6 +108,7 @@ struct Variant {
     bool skinsOnHost = false;     // FrameInput::skinned brings the vertices
     bool skinsInCompute = false;  // ComputeOptions mean something to it
     bool readsSkinned = false;    // its mesh stage draws what a pass before has skinned
+    bool listsTriangles = false;  // a pass before the draw lists those that Case::triangleTests leave
     bool fetches = false;         // VertexFetch means something to it on plain routes
     bool prepasses = false;       // can draw Scenario::prepass
     StoredAs storedAs = StoredAs::sceneVertices;
@@ -148,6 +149,7 @@ struct Case {
     CommonInfluences ci;
     uint32_t paletteSlots = 32;  // of the variant `palette`
     ComputeOptions compute;
+    uint32_t triangleTests = TEST_FRUSTUM | TEST_BACK | TEST_SMALL;  // of the variant `compute-cull`
     View view = View::shaded;
 };
 

@@ -6,9 +6,6 @@
 namespace skinbench {
 namespace {
 
-// Fewer bits than nearly every rasteriser has would keep more back faces than needed, never drop a visible one.
-constexpr uint32_t kLeastSubpixelBits = 4;
-
 // What the meshlets' own words need beside them: lists of joints, or what the codec adds.
 struct Extra {
     Bytes bytes;
@@ -71,7 +68,7 @@ Defines meshDefines(const Case& c, const PlanInput& input, const DeviceCaps& cap
     set("COMMON_MESHLETS", input.records ? input.records->commonMeshlets : 0);
     set("EXCHANGE_SHUFFLE", c.cull != Cull::off && exchange == Exchange::shuffle);
     set("EXCHANGE_OUTPUTS", c.cull != Cull::off && exchange == Exchange::outputs);
-    set("SUBPIXELS", 1u << std::max(caps.subpixelBits, kLeastSubpixelBits));
+    set("SUBPIXELS", rasterSubpixels(caps));
     set("IMAGE_WIDTH", input.width);
     set("IMAGE_HEIGHT", input.height);
     return defines;
