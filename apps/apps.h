@@ -65,6 +65,7 @@ struct Selectors {
     std::string clip;
     double seconds = 0.4;
     std::string pose = "animated";
+    std::string camera = "crowd";
     uint32_t copies = 0, frames = 0, warmup = 0, rounds = 0;  // 0: chosen from the devices
     bool warmupGiven = false;
     double precision = -1;  // percent; below 0: chosen from the devices, or 0 where frames or rounds are given
@@ -95,8 +96,9 @@ Result<std::pair<uint32_t, uint32_t>> parseSize(const std::string& text);
 // Loads the scene and the shaders, prints the scene's warnings to standard error.
 Result<Workload> openWorkload(const std::string& scene, const WorkloadSettings& settings);
 
-// Empty, or the sentence that says how many vertices the first frame leaves out.
-std::string viewWarning(Workload& workload, int influences);
+// The sentence that says how many vertices the first frame leaves out of the image; empty where it leaves out none, or
+// where the camera is one that should.
+std::string viewWarning(const Workload& workload, double shareOutOfView);
 
 // --- running cases (running.cpp) -------------------------------------------------------------------------------
 

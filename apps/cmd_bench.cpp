@@ -126,7 +126,9 @@ int runCases(const RunOptions& options) {
     auto scene = sceneFor(*workload, cases->front().influences);
     if (!scene) return reportError(scene.error());
     if (auto skinned = checkSkinned(**scene); !skinned) return reportError(skinned.error());
-    const auto outside = viewWarning(*workload, cases->front().influences);
+    const auto share = shareOutOfView(*workload, cases->front().influences);
+    if (!share) return reportError(share.error());
+    const auto outside = viewWarning(*workload, *share);
     if (!outside.empty()) warn(outside);
 
     ResultFiles files{options.out, options.timed};
@@ -135,6 +137,7 @@ int runCases(const RunOptions& options) {
     RunContext context = runContext(*devices, *workload, **scene);
     context.bench = benchSettings(selectors, devices->anyHardware);
     context.bench.timed = options.timed;
+    context.verticesInView = 1 - *share;
     if (!outside.empty()) context.warnings.push_back(outside);
     if (options.timed)
         for (const auto& [api, open] : devices->byApi)

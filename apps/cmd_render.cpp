@@ -73,7 +73,9 @@ Result<Image> render(RenderOptions options) {
     SKINBENCH_TRY(devices);
     auto workload = openWorkload(options.selectors.scene, *settings);
     SKINBENCH_TRY(workload);
-    if (const auto outside = viewWarning(*workload, cases->front().influences); !outside.empty()) warn(outside);
+    const auto share = shareOutOfView(*workload, cases->front().influences);
+    SKINBENCH_TRY(share);
+    if (const auto outside = viewWarning(*workload, *share); !outside.empty()) warn(outside);
     std::vector<Image> images;
     for (const Case& c : *cases) {
         const OpenBackend& open = devices->byApi[c.route->api];

@@ -106,6 +106,10 @@ Result<WorkloadSettings> workloadSettings(const Selectors& s, bool anyHardware) 
     if (s.pose != "frozen" && s.pose != "animated")
         return inputError("no pose '" + s.pose + "'; there is frozen, animated");
     settings.animated = s.pose == "animated";
+    const auto camera = std::ranges::find(cameraNames(), s.camera);
+    if (camera == cameraNames().end())
+        return inputError("no camera '" + s.camera + "'; there is crowd, half, inside, close");
+    settings.camera = static_cast<Camera>(camera - cameraNames().begin());
     settings.clip = s.clip;
     settings.seconds = static_cast<float>(s.seconds);
     settings.copies = s.copies ? s.copies : presetOf(s, anyHardware).copies;
@@ -142,13 +146,12 @@ Result<Workload> openWorkload(const std::string& name, const WorkloadSettings& s
     return makeWorkload(std::move(*scene), std::move(*shaders), settings);
 }
 
-std::string viewWarning(Workload& workload, int influences) {
-    const auto share = shareOutOfView(workload, influences);
-    if (!share || *share == 0) return {};
+std::string viewWarning(const Workload& workload, double shareOutOfView) {
+    if (shareOutOfView == 0 || workload.settings.camera != Camera::crowd) return {};
     return std::format(
         "{}: {:.3g} % of the vertices leave the image in the first frame, so that their triangles are not "
         "all rasterised",
-        workload.stored.name, *share * 100);
+        workload.stored.name, shareOutOfView * 100);
 }
 
 }  // namespace skinbench

@@ -103,6 +103,8 @@ void addSelectors(CLI::App& command, Selectors& s) {
     addKeepBackFaces(command, s.words);
     command.add_option("--clip", s.clip, "name of the animation, or none (default: the first)");
     command.add_option("--pose", s.pose, "frozen or animated")->capture_default_str();
+    command.add_option("--camera", s.camera, "crowd, half, inside or close: how much of the copies is in the view")
+        ->capture_default_str();
     command.add_option("--time", s.seconds, "seconds into the animation at the first frame")
         ->check(kFinite & CLI::Range(0.0, 1e6))
         ->capture_default_str();
@@ -181,6 +183,7 @@ void addRender(CLI::App& program, int& status) {
         ->capture_default_str();
     command->add_option("--clip", s.clip, "name of the animation, or none (default: the first)");
     command->add_option("--size", s.size, "WIDTHxHEIGHT")->capture_default_str();
+    command->add_option("--camera", s.camera, "crowd, half, inside or close")->capture_default_str();
     command->add_option("--copies", s.copies, "how many (default: 1)")->check(CLI::Range(1u, 1'000'000u));
     command->add_option("--yaw", options->yaw, "degrees that a single character is turned by")
         ->check(kFinite & CLI::Range(-360.0f, 360.0f))

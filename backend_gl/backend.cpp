@@ -200,11 +200,14 @@ Result<void> GlBackend::uploadFrames(const GlPlan& plan, std::span<const FrameIn
 // All slots at once, so that nothing of an earlier plan stays bound.
 void GlBackend::bindStreams(const GlPlan& plan) {
     std::array<GLuint, SLOT_COUNT> storage{}, uniform{};
+    GLuint commands = 0;
     for (size_t i = 0; i < plan.streams.size(); ++i) {
         const Stream& stream = plan.shape.streams[i];
         if (stream.use & useStorage) storage[stream.slot] = plan.streams[i].id();
         if (stream.use & useUniform) uniform[stream.slot] = plan.streams[i].id();
+        if (stream.use & useIndirect) commands = plan.streams[i].id();
     }
+    glBindBuffer(GL_DRAW_INDIRECT_BUFFER, commands);
     auto count = static_cast<GLsizei>(std::min<GLuint>(SLOT_COUNT, storageBindings_));
     glBindBuffersBase(GL_SHADER_STORAGE_BUFFER, 0, count, storage.data());
     glBindBuffersBase(GL_UNIFORM_BUFFER, 0, SLOT_COUNT, uniform.data());
@@ -273,6 +276,12 @@ void GlBackend::issueDraws(const GlPlan& plan, const Pass& pass, size_t frame) {
                 glDispatchCompute(draw.count, 1, 1);
                 break;
             case PassKind::drawIndexed:
+                if (draw.command) {
+                    glDrawElementsIndirect(
+                        GL_TRIANGLES, GL_UNSIGNED_INT,
+                        reinterpret_cast<const void*>(uintptr_t{*draw.command} * sizeof(DrawCommand)));
+                    break;
+                }
                 glDrawElementsBaseVertex(GL_TRIANGLES, static_cast<GLsizei>(draw.count), GL_UNSIGNED_INT,
                                          reinterpret_cast<const void*>(uintptr_t{draw.firstIndex} * 4),
                                          draw.baseVertex);
@@ -338,7 +347,9 @@ void GlBackend::recordOverlapped(const GlPlan& plan, size_t frame, bool timed) {
     glMemoryBarrier(GL_ALL_BARRIER_BITS);
     if (queries) timestamp(queries[0]);
     for (size_t i = 0; i < plan.shape.passes.size(); ++i) {
-        if (i > 0) glMemoryBarrier(GL_VERTEX_ATTRIB_ARRAY_BARRIER_BIT | GL_SHADER_STORAGE_BARRIER_BIT);
+        if (i > 0)
+            glMemoryBarrier(GL_VERTEX_ATTRIB_ARRAY_BARRIER_BIT | GL_SHADER_STORAGE_BARRIER_BIT |
+                            GL_ELEMENT_ARRAY_BARRIER_BIT | GL_COMMAND_BARRIER_BIT);
         beginPass(plan, plan.shape.passes[i], false);
         issueDraws(plan, plan.shape.passes[i], frame);
     }

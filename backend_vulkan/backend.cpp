@@ -177,6 +177,9 @@ void VulkanBackend::recordDraws(VkCommandBuffer commands, const Plan& plan, size
         vk.vkCmdPushConstants(commands, plan.layout, device_->stages, 0, sizeof draw.constants, draw.constants.data());
         if (pass.kind == PassKind::dispatch)
             vk.vkCmdDispatch(commands, draw.count, 1, 1);
+        else if (draw.command)
+            vk.vkCmdDrawIndexedIndirect(commands, plan.commandBuffer, uint64_t{*draw.command} * sizeof(DrawCommand), 1,
+                                        sizeof(DrawCommand));
         else if (pass.kind == PassKind::drawIndexed)
             vk.vkCmdDrawIndexed(commands, draw.count, 1, draw.firstIndex, draw.baseVertex, 0);
         else if (plan.shape.dialect == MeshDialect::nv)
@@ -209,14 +212,17 @@ void VulkanBackend::recordPass(VkCommandBuffer commands, const Plan& plan, size_
     fullBarrier(*device_, commands);
 }
 
-// What a pass needs of the one before it: skinned vertices, and after a drawing pass its depth.
+// What a pass needs of the one before it: skinned vertices, lists and commands, and after a drawing pass its depth.
 void narrowBarrier(const Device& device, VkCommandBuffer commands, bool afterDispatch) {
     VkMemoryBarrier2 barrier{VK_STRUCTURE_TYPE_MEMORY_BARRIER_2};
     barrier.srcStageMask = VK_PIPELINE_STAGE_2_COMPUTE_SHADER_BIT;
     barrier.srcAccessMask = VK_ACCESS_2_SHADER_STORAGE_WRITE_BIT;
-    barrier.dstStageMask =
-        VK_PIPELINE_STAGE_2_VERTEX_ATTRIBUTE_INPUT_BIT | VK_PIPELINE_STAGE_2_PRE_RASTERIZATION_SHADERS_BIT;
-    barrier.dstAccessMask = VK_ACCESS_2_VERTEX_ATTRIBUTE_READ_BIT | VK_ACCESS_2_SHADER_STORAGE_READ_BIT;
+    barrier.dstStageMask = VK_PIPELINE_STAGE_2_VERTEX_ATTRIBUTE_INPUT_BIT |
+                           VK_PIPELINE_STAGE_2_PRE_RASTERIZATION_SHADERS_BIT | VK_PIPELINE_STAGE_2_COMPUTE_SHADER_BIT |
+                           VK_PIPELINE_STAGE_2_DRAW_INDIRECT_BIT | VK_PIPELINE_STAGE_2_INDEX_INPUT_BIT;
+    barrier.dstAccessMask = VK_ACCESS_2_VERTEX_ATTRIBUTE_READ_BIT | VK_ACCESS_2_SHADER_STORAGE_READ_BIT |
+                            VK_ACCESS_2_SHADER_STORAGE_WRITE_BIT | VK_ACCESS_2_INDIRECT_COMMAND_READ_BIT |
+                            VK_ACCESS_2_INDEX_READ_BIT;
     if (!afterDispatch) {
         const VkPipelineStageFlags2 tests =
             VK_PIPELINE_STAGE_2_EARLY_FRAGMENT_TESTS_BIT | VK_PIPELINE_STAGE_2_LATE_FRAGMENT_TESTS_BIT;

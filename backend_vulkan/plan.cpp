@@ -28,6 +28,7 @@ Result<void> allocateStream(Plan& plan, const Stream& source) {
     if (source.use & useUniform) usage |= VK_BUFFER_USAGE_UNIFORM_BUFFER_BIT;
     if (source.use & useAttributes) usage |= VK_BUFFER_USAGE_VERTEX_BUFFER_BIT;
     if (source.use & useIndices) usage |= VK_BUFFER_USAGE_INDEX_BUFFER_BIT;
+    if (source.use & useIndirect) usage |= VK_BUFFER_USAGE_INDIRECT_BUFFER_BIT;
     const uint64_t bytes = streamBytes(source);
     Buffer& buffer = plan.streams.emplace_back();
     SKINBENCH_TRY(createBuffer(device, bytes, usage, Memory::device, buffer, [&] {
@@ -35,6 +36,7 @@ Result<void> allocateStream(Plan& plan, const Stream& source) {
                            planBytes(plan.shape) >> 20);
     }));
     if (source.use & useIndices) plan.indexBuffer = buffer.handle;
+    if (source.use & useIndirect) plan.commandBuffer = buffer.handle;
     if (!source.hostWritten) return {};
     plan.hostWritten = plan.streams.size() - 1;
     return createBuffer(device, bytes, VK_BUFFER_USAGE_TRANSFER_SRC_BIT, Memory::upload, plan.hostStaging,

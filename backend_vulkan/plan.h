@@ -14,6 +14,7 @@ struct Plan {
     std::vector<VkPipeline> pipelines;    // one a pass
     std::vector<VkBuffer> vertexBuffers;  // one a pass; null: the pass has no attributes
     VkBuffer indexBuffer = VK_NULL_HANDLE;
+    VkBuffer commandBuffer = VK_NULL_HANDLE;  // of indirect draws
     std::optional<size_t> hostWritten;  // into streams
     Buffer hostStaging;                 // of its size
     VkDescriptorSetLayout setLayout = VK_NULL_HANDLE;

@@ -16,6 +16,11 @@ layout(std430, binding = SLOT_SKINNED_TANGENT) writeonly restrict buffer Skinned
 layout(std430, binding = SLOT_TANGENT) readonly restrict buffer TangentBlock { vec4 tangents[]; };
 #endif
 
+#if LISTS_TRIANGLES
+#include "capture.glsl"
+#include "commands.glsl"
+#endif
+
 // Copies the palette of the copy to shared memory, a row an invocation.
 void stagePalette(uint copyNumber) {
 #if STAGED_JOINTS
@@ -78,6 +83,10 @@ void main() {
 #endif
     Skinned skinned = transformVertex(blend, vertex);
     storeSkinned(place, skinned.position, skinned.normal, vertex.uv);
+#if LISTS_TRIANGLES
+    captureVertex(skinned.position, skinned.normal, vertex.uv, copyNumber, place - copyNumber * uint(VERTEX_COUNT));
+    if (i == 0u) commands[commandOf(copyNumber)].count = 0u;  // the pass that counts comes next
+#endif
 #if SHORT_TANGENT
     vec4 tangent = unpackTangent(tangents[place]);
     skinnedTangents[place] = packTangent(vec4(turned(blend, tangent.xyz), tangent.w));

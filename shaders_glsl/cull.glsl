@@ -10,6 +10,9 @@
 // (EXCHANGE_SHUFFLE, for CULL_COMPACT) or in the outputs (EXCHANGE_OUTPUTS, for CULL_TORABI on NV, as Torabi's listing
 // does; EXT forbids to read them). Both of those count the triangles that are left by ballots.
 #include "meshlet.glsl"
+#if CULL != CULL_TORABI
+#include "triangle_tests.glsl"
+#endif
 
 #define FOURS_OF_LANE uint((MESHLET_TRIANGLES + GROUP_SIZE * 4 - 1) / (GROUP_SIZE * 4))
 
@@ -30,7 +33,7 @@ shared OFFERED offered[MESHLET_VERTICES];
 shared uint keptOfFours[FOURS_OF_LANE * GROUP_SIZE];
 #endif
 
-// A vertex behind the eye or far outside the view has no position that could be trusted: its triangles are kept.
+// In the place of a position that cannot be trusted: the triangles of such a vertex are kept.
 #define UNTRUSTED 1e30
 
 void offerVertex(uint i, uint k, vec4 clip) {
@@ -38,8 +41,7 @@ void offerVertex(uint i, uint k, vec4 clip) {
 #if CULL == CULL_TORABI
     OFFERED offer = clip.xyw;
 #else
-    bool trusted = max(abs(clip.x), abs(clip.y)) < 8.0 * clip.w;
-    OFFERED offer = trusted ? clip.xy / clip.w * (0.5 * vec2(IMAGE_WIDTH, IMAGE_HEIGHT)) : OFFERED(UNTRUSTED);
+    OFFERED offer = isTrusted(clip) ? screenPosition(clip) : OFFERED(UNTRUSTED);
 #endif
 #if EXCHANGE_SHUFFLE
     offered[k] = offer;
@@ -71,18 +73,12 @@ OFFERED offeredBy(uint vertex) {
 #endif
 }
 
-// Front faces are counter-clockwise as seen, with y down: their doubled area is negative here.
+// Front faces are counter-clockwise as seen, with y down.
 #if CULL == CULL_TORABI
 bool isBackFace(OFFERED a, OFFERED b, OFFERED c) { return determinant(mat3(a, b, c)) > 0.0; }
 #else
-// The rasteriser decides on positions that it has rounded to a fraction of a pixel, so a triangle is dropped only when
-// its area keeps its sign whatever the rounding: each edge component moves by at most two roundings.
 bool isBackFace(OFFERED a, OFFERED b, OFFERED c) {
-    const float moved = 2.0 * 0.625 / float(SUBPIXELS);
-    vec2 ab = b - a, ac = c - a;
-    float doubledArea = ab.x * ac.y - ab.y * ac.x;
-    float doubt = moved * (abs(ab.x) + abs(ab.y) + abs(ac.x) + abs(ac.y)) + 2.0 * moved * moved;
-    return doubledArea > doubt && max(max(a.x, b.x), c.x) < UNTRUSTED;
+    return facesAway(a, b, c) && max(max(a.x, b.x), c.x) < UNTRUSTED;
 }
 #endif
 

@@ -20,14 +20,18 @@
                               // by packTangent (octahedral.glsl)
 #define SLOT_SKINNED_TANGENT 11  // such words, written by one pass and read by the next
 
-// Not a block of any stage.
+#define SLOT_VISIBLE 12  // indices of the triangles that are left, copy after copy, which feed the draw
+#define SLOT_COMMAND 13  // DrawCommand, copy after copy, or one for all of a batched draw
+
+// A block only where compute.glsl's triangles are tested.
 #define SLOT_INDEX 10  // 32-bit index buffer
 
-#define SLOT_COUNT 12
+#define SLOT_COUNT 14
 
 // Invocations of a work group.
 #define COMPUTE_GROUP 64  // compute.glsl, a vertex each
 #define COPY_GROUP 256    // copy.glsl, 16 bytes each
+#define CULL_GROUP 128    // cull_triangles.glsl, a triangle each
 
 // Values of the defines VIEW, CULL, JOINTS, METHOD and ZERO_WEIGHTS, and of the enums View, Cull, JointSource, Method and
 // ZeroWeights.
@@ -46,6 +50,9 @@
 #define JOINTS_STAGED 2
 #define METHOD_LBS 0
 #define METHOD_DQS 1
+#define TEST_FRUSTUM 1
+#define TEST_BACK 2
+#define TEST_SMALL 4
 #define ZERO_WEIGHTS_LOAD 0
 #define ZERO_WEIGHTS_SKIP 1
 #define ZERO_WEIGHTS_COUNT 2

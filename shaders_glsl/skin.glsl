@@ -49,13 +49,15 @@ struct Skinned {
     vec3 normal;
 };
 
-// A file of these two defines
+// A file of these three defines
 //
 //   Blend startBlend(Vertex vertex, uint copyNumber)
 //   void addJoint(inout Blend blend, uint firstRow, float weight)
 //   vec3 turned(Blend blend, vec3 n)                         unit length
 //   Skinned transformVertex(Blend blend, Vertex vertex)
-#if METHOD == METHOD_DQS
+#if LOADS_ONLY
+#include "skin_loads.glsl"
+#elif METHOD == METHOD_DQS
 #include "skin_dual.glsl"
 #else
 #include "skin_linear.glsl"

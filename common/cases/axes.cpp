@@ -14,10 +14,12 @@ bool onNvRoute(const Case& c) { return c.route->dialect == MeshDialect::nv; }
 bool draws(const Case& c) { return c.route->api != Api::cpu; }
 bool fetches(const Case& c) { return c.variant->fetches && !onMeshRoute(c); }
 bool skinsMeshlets(const Case& c) { return onMeshRoute(c) && c.variant->skins; }
-bool choosesJoints(const Case& c) { return skinsMeshlets(c) && !sharesJointLists(c); }
+bool skinsInMesh(const Case& c) { return skinsMeshlets(c) && !c.variant->readsSkinned; }
+bool choosesJoints(const Case& c) { return skinsInMesh(c) && !sharesJointLists(c); }
 bool culls(const Case& c) { return c.cull != Cull::off; }
 bool prepasses(const Case& c) { return c.variant->prepasses; }
 bool skinsOnDevice(const Case& c) { return c.variant->skins && !c.variant->skinsOnHost; }
+bool listsTriangles(const Case& c) { return c.variant->listsTriangles; }
 bool skinsInCompute(const Case& c) { return c.variant->skinsInCompute; }
 bool groupsTriangles(const Case& c) { return sharesJointLists(c) && c.ci.grouping == CiGrouping::triangles; }
 
@@ -266,7 +268,7 @@ void addShapes(std::vector<Axis>& rows) {
     rows.push_back(asShape(
         wordAxis<bool>({.name = "palette",
                         .option = {.name = "palette-buffer", .aliases = {"palette"}, .help = ", of mesh stages"},
-                        .applies = skinsMeshlets,
+                        .applies = skinsInMesh,
                         .noun = "palette buffer"},
                        {{"storage", false}, {"uniform", true, "uniform-palette"}},
                        [](Case& c) -> bool& { return c.shape.uniformPalette; })));
@@ -298,6 +300,13 @@ void addSkinning(std::vector<Axis>& rows) {
                                           {"skip", ZeroWeights::skip},
                                           {"count", ZeroWeights::count, "count-influences"}},
                                          [](Case& c) -> ZeroWeights& { return c.zeroWeights; }));
+    rows.push_back(wordAxis<bool>({.name = "arithmetic",
+                                   .option = {.help = ": loads-only reads what skinning reads and computes nothing"},
+                                   .applies = skinsOnDevice,
+                                   .define = "LOADS_ONLY"},
+                                  {{"all", false}, {"loads-only", true, "loads-only"}},
+                                  [](Case& c) -> bool& { return c.loadsOnly; }));
+    rows.back().changesPicture = true;
 }
 
 void addDraws(std::vector<Axis>& rows) {
@@ -308,6 +317,20 @@ void addDraws(std::vector<Axis>& rows) {
                               .applies = usesPartition},
                              {1, UINT16_MAX, "slots-", "", true}, [](Case& c) -> uint32_t& { return c.paletteSlots; }));
     rows.push_back(computeAxis());
+    rows.push_back(wordAxis<uint32_t>({.name = "triangle_tests",
+                                       .option = {.help = ", of compute-cull"},
+                                       .applies = listsTriangles,
+                                       .noun = "set of tests",
+                                       .define = "TRIANGLE_TESTS"},
+                                      {{"all", TEST_FRUSTUM | TEST_BACK | TEST_SMALL},
+                                       {"none", 0, "no-tests"},
+                                       {"frustum", TEST_FRUSTUM, "test-frustum"},
+                                       {"back", TEST_BACK, "test-back"},
+                                       {"small", TEST_SMALL, "test-small"},
+                                       {"frustum+back", TEST_FRUSTUM | TEST_BACK, "test-frustum-back"},
+                                       {"frustum+small", TEST_FRUSTUM | TEST_SMALL, "test-frustum-small"},
+                                       {"back+small", TEST_BACK | TEST_SMALL, "test-back-small"}},
+                                      [](Case& c) -> uint32_t& { return c.triangleTests; }));
     rows.push_back(
         same(wordAxis<int>({.name = "influences", .changes = Changes::scene, .define = "INFLUENCES"},
                            {{"4", 4}, {"8", 8, "8-influences"}}, [](Case& c) -> int& { return c.influences; })));

@@ -1,10 +1,22 @@
 // Where copies stand and how they are looked at. The same constants go to every route.
 #pragma once
 
+#include <string>
+#include <vector>
+
 #include "common/frame/backend.h"
 #include "common/scene/pose.h"
 
 namespace skinbench {
+
+// crowd:  every copy is in the view.
+// half:   the view is half of crowd's area: about half of the copies lie outside, and many are cut by its edges.
+// inside: from the middle of the crowd along its rows: near copies are larger than the view, most are outside.
+// close:  all copies at one place, which fills the view.
+enum class Camera { crowd, half, inside, close };
+
+// The words of --camera, in the order of the enumeration.
+const std::vector<std::string>& cameraNames();
 
 struct Framing {
     Bounds bounds;  // of one posed copy
@@ -12,10 +24,11 @@ struct Framing {
     uint32_t width = 1920;
     uint32_t height = 1080;
     float yaw = 0;  // degrees around y: 0 looks at the character's front
+    Camera camera = Camera::crowd;
 };
 
-// Copies fill a grid of about the image's shape, centred and just inside the view; row 0 of the image is its top.
-// `frame` is the number that FrameConstants carries.
+// Copies fill a grid of about the image's shape; row 0 of the image is its top. The camera `crowd` has it centred and
+// just inside the view. `frame` is the number that FrameConstants carries.
 FrameConstants frameConstants(const Framing& framing, uint32_t frame);
 
 }  // namespace skinbench

@@ -164,7 +164,8 @@ Result<FrameData> makeFrame(Workload& workload, int influences, uint32_t frame) 
     const Clip* clip = chosenClip(workload);
     FrameData data;
     data.constants = frameConstants(
-        {workload.bounds[influences], settings.copies, settings.width, settings.height, settings.yaw}, frame);
+        {workload.bounds[influences], settings.copies, settings.width, settings.height, settings.yaw, settings.camera},
+        frame);
 
     const uint32_t phases = std::min(settings.copies, kPhases);
     std::vector<Palette> posed(phases);

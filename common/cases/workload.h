@@ -21,6 +21,7 @@ struct WorkloadSettings {
     uint32_t width = 1920;
     uint32_t height = 1080;
     float yaw = 0;
+    Camera camera = Camera::crowd;
 };
 
 struct Workload {

@@ -132,12 +132,13 @@ enum StreamUse : uint32_t {
     useUniform = 2,     // a uniform block
     useAttributes = 4,  // feeds vertex attributes
     useIndices = 8,     // feeds indexed draws, 32 bits an index
+    useIndirect = 16,   // holds the commands of indirect draws
 };
 
 // One buffer. Its size is bytes->size() * replicas, each replica a copy of its own in device memory, or `gpuBytes`
 // for a buffer that only the device writes (zero at first). SLOT_FRAME and SLOT_PALETTE are no streams: FrameInput
 // carries them, their size is given in FramePlan. A plan has one stream at most for a slot, one that feeds indexed
-// draws and one that is hostWritten.
+// draws, one with useIndirect and one that is hostWritten.
 struct Stream {
     uint32_t slot = 0;
     uint32_t use = useStorage;
@@ -157,6 +158,18 @@ enum class RasterMode { full, noFragments, discard };
 
 enum class DepthTest { lessWrite, equalKeep };
 
+// What the device reads of an indirect draw, as VkDrawIndexedIndirectCommand and OpenGL's DrawElementsIndirectCommand
+// have it. The stream with useIndirect is an array of them; a program that writes one keeps within the indices that
+// there are.
+struct DrawCommand {
+    uint32_t count = 0;
+    uint32_t instances = 1;
+    uint32_t firstIndex = 0;
+    int32_t baseVertex = 0;
+    uint32_t firstInstance = 0;
+};
+static_assert(sizeof(DrawCommand) == 20);
+
 // dispatch: `count` work groups (x).  drawMesh: `count` work groups (task or mesh).
 // drawIndexed: `count` indices from `firstIndex`, all of them in the stream, `baseVertex` added to each.
 struct Draw {
@@ -166,6 +179,8 @@ struct Draw {
     std::array<uint32_t, 4> constants{};
     uint64_t paletteOffset = 0;  // bytes into one frame's palettes, a multiple of kPaletteAlignment; the range that
                                  // starts here ends within them
+    std::optional<uint32_t>
+        command{};  // drawIndexed: the number of a DrawCommand, which counts instead of the first three
 };
 
 struct Pass {

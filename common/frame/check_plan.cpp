@@ -8,8 +8,6 @@ namespace skinbench {
 
 namespace {
 
-constexpr uint32_t kJointBytes = 3 * sizeof(vec4);  // a joint's rows in SLOT_PALETTE
-
 std::string mebibytes(uint64_t bytes) { return std::format("{:.1f} MiB", static_cast<double>(bytes) / 1048576); }
 
 std::unexpected<Error> tooLarge(const FramePlan& plan, const std::string& what, uint64_t bytes,
@@ -32,9 +30,8 @@ Result<void> checkMemory(const FramePlan& plan, const DeviceCaps& caps) {
         if (bytes > most) return tooLarge(plan, std::format("a {}buffer of ", kind), bytes, allows(most));
     }
     if (plan.paletteRange > caps.maxUniformBytes)
-        return deviceError(std::format("needs a uniform block of {} bytes for {} joints: {} allows {}",
-                                       plan.paletteRange, plan.paletteRange / kJointBytes, caps.name,
-                                       caps.maxUniformBytes));
+        return deviceError(std::format("needs a uniform block of {} bytes for joints: {} allows {}", plan.paletteRange,
+                                       caps.name, caps.maxUniformBytes));
     const uint64_t most = std::min(caps.maxStorageBytes, caps.maxBufferBytes);
     if (!plan.paletteRange && plan.paletteBytes > most)
         return tooLarge(plan, "a palette of ", plan.paletteBytes, allows(most));
@@ -45,7 +42,7 @@ Result<void> checkMemory(const FramePlan& plan, const DeviceCaps& caps) {
 
 Result<void> checkStreams(const FramePlan& plan) {
     std::bitset<SLOT_COUNT> slots;
-    uint32_t indices = 0, hostWritten = 0;
+    uint32_t indices = 0, indirect = 0, hostWritten = 0;
     for (const Stream& stream : plan.streams) {
         if (stream.slot == SLOT_FRAME || stream.slot == SLOT_PALETTE || stream.slot >= SLOT_COUNT)
             return inputError(std::format("slot {} is not one that a stream may have", stream.slot));
@@ -55,9 +52,11 @@ Result<void> checkStreams(const FramePlan& plan) {
             return inputError(
                 std::format("the stream at slot {} adds to 32-bit words, and is not made of them", stream.slot));
         indices += (stream.use & useIndices) != 0;
+        indirect += (stream.use & useIndirect) != 0;
         hostWritten += stream.hostWritten;
     }
     if (indices > 1) return inputError("two streams feed indexed draws");
+    if (indirect > 1) return inputError("two streams hold the commands of indirect draws");
     if (hostWritten > 1) return inputError("two streams are written by the host");
     return {};
 }
@@ -103,11 +102,21 @@ Result<uint64_t> mostOfDraw(const FramePlan& plan, const Pass& pass, const Devic
     return limits.maxGroupCount;
 }
 
+Result<void> checkIndirect(const FramePlan& plan, const Pass& pass, uint32_t command) {
+    if (pass.kind != PassKind::drawIndexed) return inputError("only indexed draws are indirect");
+    const auto stream =
+        std::ranges::find_if(plan.streams, [](const Stream& stream) { return (stream.use & useIndirect) != 0; });
+    const uint64_t commands = stream == plan.streams.end() ? 0 : streamBytes(*stream) / sizeof(DrawCommand);
+    if (command < commands) return {};
+    return inputError(std::format("a draw reads command {}, and there are {}", command, commands));
+}
+
 Result<void> checkPass(const FramePlan& plan, const Pass& pass, const DeviceCaps& caps) {
     SKINBENCH_TRY(checkProgram(plan, pass));
     const auto most = mostOfDraw(plan, pass, caps);
     SKINBENCH_TRY(most);
     for (const Draw& draw : pass.draws) {
+        if (draw.command) SKINBENCH_TRY(checkIndirect(plan, pass, *draw.command));
         if (pass.kind == PassKind::drawIndexed && uint64_t{draw.firstIndex} + draw.count > *most)
             return inputError(std::format("draws {} indices from number {} on, and there are {}", draw.count,
                                           draw.firstIndex, *most));

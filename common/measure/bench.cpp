@@ -218,7 +218,7 @@ Result<std::vector<FrameData>> framesToVerify(Runner& runner, const Case& c) {
 constexpr size_t kKeptReferences = 8'000'000;  // vertices, of both copies
 
 const References& referencesFor(Runner& runner, const Case& c, const PlanInput& input, const FrameData& frame) {
-    const std::tuple key{input.encoded, c.variant->skins, input.palette};
+    const std::tuple key{input.encoded, posesVertices(c), input.palette};
     if (auto known = runner.references.find(key); known != runner.references.end()) return known->second;
     size_t kept = size_t{input.encoded->vertexCount} * 2;
     for (const auto& [other, references] : runner.references)

@@ -26,7 +26,7 @@ static SkinnedReference skinned(const PlanInput& input, const Mesh& mesh, const 
 }
 
 static SkinnedReference referenceOf(const Case& c, const PlanInput& input, const Mesh& mesh, const Palette& palette) {
-    if (c.variant->skins) return skinned(input, mesh, palette);
+    if (posesVertices(c)) return skinned(input, mesh, palette);
     return {{mesh.positions.begin(), mesh.positions.end()}, {mesh.normals.begin(), mesh.normals.end()}, {}};
 }
 
@@ -105,7 +105,7 @@ References makeReferences(const Case& c, const PlanInput& input, const FrameData
         copy.scale = errorScale(mesh, palette);
         copy.source = repeat(referenceOf(c, input, mesh, palette), sources);
         if (lossy) copy.decoded = referenceOf(c, input, decoded, palette);
-        if (!c.variant->skins || input.palette.format == RowFormat::f32) continue;
+        if (!posesVertices(c) || input.palette.format == RowFormat::f32) continue;
         const RowsError error = rowsErrorOf(input, frame, number, copy.scale);
         const RowsError before = references.rowsError.value_or(RowsError{});
         references.rowsError =
@@ -173,12 +173,12 @@ std::optional<double> codecPositionBound(const Case& c, const PlanInput& input, 
     const CodecBounds& bounds = *input.encoded->bounds;
     const Mesh& mesh = input.scene->mesh;
     const std::vector<uint32_t> sources = sourcesOf(input);
-    const Mesh decoded = bounds.addsJoints && c.variant->skins ? input.encoded->decode() : Mesh{};
+    const Mesh decoded = bounds.addsJoints && posesVertices(c) ? input.encoded->decode() : Mesh{};
     double worst = 0;
     for (uint32_t copy : {0u, input.copies - 1}) {
         const Palette palette = rounded(input, paletteOfCopy(frame, input.copies, copy));
-        double most = c.variant->skins ? 0 : glm::length(bounds.position);
-        for (size_t v = 0; c.variant->skins && v < sources.size(); ++v) {
+        double most = posesVertices(c) ? 0 : glm::length(bounds.position);
+        for (size_t v = 0; posesVertices(c) && v < sources.size(); ++v) {
             const Influences more = decoded.influences.empty() ? Influences{} : decoded.influences[v];
             most = std::max(most, vertexBound(mesh, sources[v], more, bounds, palette));
         }

@@ -107,6 +107,8 @@ struct Variant {
     bool skins = true;            // its result is compared with the skinned reference, else with the bind pose
     bool skinsOnHost = false;     // FrameInput::skinned brings the vertices
     bool skinsInCompute = false;  // ComputeOptions mean something to it
+    bool readsSkinned = false;    // its mesh stage draws what a pass before has skinned
+    bool listsTriangles = false;  // a pass before the draw lists those that Case::triangleTests leave
     bool fetches = false;         // VertexFetch means something to it on plain routes
     bool prepasses = false;       // can draw Scenario::prepass
     StoredAs storedAs = StoredAs::sceneVertices;
@@ -134,6 +136,7 @@ struct Case {
     Method method = Method::lbs;
     RowFormat paletteRows = RowFormat::f32;
     ZeroWeights zeroWeights = ZeroWeights::skip;
+    bool loadsOnly = false;  // reads all that skinning reads and draws the bind pose: what the loads alone take
     RasterMode raster = RasterMode::full;
     VertexFetch fetch = VertexFetch::attributes;
     Submission submission = Submission::perCopy;
@@ -146,10 +149,14 @@ struct Case {
     CommonInfluences ci;
     uint32_t paletteSlots = 32;  // of the variant `palette`
     ComputeOptions compute;
+    uint32_t triangleTests = TEST_FRUSTUM | TEST_BACK | TEST_SMALL;  // of the variant `compute-cull`
     View view = View::shaded;
 };
 
 bool onMeshRoute(const Case& c);
+
+// Whether the case draws the posed character, not the bind pose.
+bool posesVertices(const Case& c);
 
 // Whether the case's vertices share joint lists (`mesh-ci`), and whether its records leave joint ids to the meshlets.
 bool sharesJointLists(const Case& c);

@@ -50,7 +50,8 @@ Result<FramePlan> makePlan(const Case& c, const PlanInput& input, const DeviceCa
 MemoryBytes memoryOfOneCopy(const FramePlan& plan, uint32_t copies) {
     static const std::map<uint32_t, uint64_t MemoryBytes::*> kinds = {
         {SLOT_VERTEX, &MemoryBytes::vertex},        {SLOT_TANGENT, &MemoryBytes::vertex},
-        {SLOT_INDEX, &MemoryBytes::index},          {SLOT_MESHLET, &MemoryBytes::meshlet},
+        {SLOT_INDEX, &MemoryBytes::index},          {SLOT_VISIBLE, &MemoryBytes::index},
+        {SLOT_COMMAND, &MemoryBytes::index},        {SLOT_MESHLET, &MemoryBytes::meshlet},
         {SLOT_MESHLET_DATA, &MemoryBytes::meshlet}, {SLOT_MESHLET_EXTRA, &MemoryBytes::additionalMeshlet},
         {SLOT_TUPLE, &MemoryBytes::tuple},          {SLOT_SKINNED_TANGENT, &MemoryBytes::skinned},
         {SLOT_SKINNED, &MemoryBytes::skinned},

@@ -35,6 +35,7 @@ Defines caseDefines(const Case& c, const PlanInput& input) {
         {"SKINNED_PREVIOUS", c.compute.previous ? "1" : "0"},
         {"SKINNED_TANGENT", c.compute.tangents || c.compute.shortTangents ? "1" : "0"},
         {"SHORT_TANGENT", c.compute.shortTangents ? "1" : "0"},
+        {"LISTS_TRIANGLES", "0"},
         {"SAME_DEPTH", prepass ? "1" : "0"},
         {"PREPASS", "0"},
         {"DEPTH_ONLY", "0"},
@@ -162,6 +163,12 @@ void addIndexedDraws(FramePlan& plan, Pass& pass, const Case& c, const PlanInput
                                   .paletteOffset = blocks ? blocks->stride() * (copy * commands.size() + c) : 0});
 }
 
+// Fewer bits than nearly every rasteriser has would keep more triangles than needed, never drop a visible one.
+uint32_t rasterSubpixels(const DeviceCaps& caps) {
+    constexpr uint32_t kLeastBits = 4;
+    return 1u << std::max(caps.subpixelBits, kLeastBits);
+}
+
 void addGroupDraws(Pass& pass, const Case& c, const PlanInput& input, uint32_t groupsOfCopy, uint32_t groupsOfAll,
                    uint32_t most) {
     const bool batched = c.submission == Submission::batched;
@@ -183,9 +190,16 @@ static std::string diagonalText(const Mesh& mesh) {
     return std::format("{:.9e}", bounds.diagonal());
 }
 
+// A command a copy, or one for all.
+static void addListedDraws(Pass& pass, const Case& c, const PlanInput& input) {
+    const uint32_t commands = c.submission == Submission::batched ? 1 : input.copies;
+    for (uint32_t i = 0; i < commands; ++i) pass.draws.push_back({.constants = {i, 0, 0, 0}, .command = i});
+}
+
 Result<void> addSkinnedDraw(FramePlan& plan, const Case& c, const PlanInput& input, bool depthOnly) {
     Defines defines = caseDefines(c, input);
     setDefine(defines, "PALETTE_UNIFORM", "0");
+    if (c.variant->listsTriangles) setDefine(defines, "CAPTURE", "0");  // the pass that skins captures
     if (c.view == View::velocity) setDefine(defines, "SCENE_DIAGONAL", diagonalText(input.scene->mesh));
     Pass pass = depthOnly ? startDepth(c, PassKind::drawIndexed) : startDraw(c, PassKind::drawIndexed);
     Result<Program> program;
@@ -210,7 +224,10 @@ Result<void> addSkinnedDraw(FramePlan& plan, const Case& c, const PlanInput& inp
     plan.programs.push_back(std::move(*program));
     pass.program = static_cast<uint32_t>(plan.programs.size() - 1);
     if (c.scenario == Scenario::prepass && !depthOnly) drawWhereEqual(pass);
-    addIndexedDraws(plan, pass, c, input);
+    if (c.variant->listsTriangles)
+        addListedDraws(pass, c, input);
+    else
+        addIndexedDraws(plan, pass, c, input);
     plan.passes.push_back(std::move(pass));
     return {};
 }

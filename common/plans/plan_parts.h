@@ -58,9 +58,17 @@ void addSkinnedStream(FramePlan& plan, const PlanInput& input, uint32_t use, uin
 // stream is added once.
 void addIndexedDraws(FramePlan& plan, Pass& pass, const Case& c, const PlanInput& input);
 
+// The steps of a pixel that the rasteriser rounds positions to, or fewer.
+uint32_t rasterSubpixels(const DeviceCaps& caps);
+
 // Work groups for every copy, or for all at once; draws are split where the device allows fewer groups.
 void addGroupDraws(Pass& pass, const Case& c, const PlanInput& input, uint32_t groupsOfCopy, uint32_t groupsOfAll,
                    uint32_t most);
+
+// The pass "skin": a compute work group for every COMPUTE_GROUP vertices writes SLOT_SKINNED, which must be there.
+// More defines than the case's go to its shader.
+Result<void> addSkinPass(FramePlan& plan, const Case& c, const PlanInput& input, const DeviceCaps& caps,
+                         const Defines& more = {});
 
 // A pass with a plain vertex stage over the attributes of SLOT_SKINNED: the same for every variant that
 // has skinned before. `depthOnly` makes it the depth pass of a pre-pass.

@@ -15,6 +15,14 @@ Result<FramePlan> planMesh(const Case& c, const PlanInput& input, const DeviceCa
 // between them.
 Result<FramePlan> planCompute(const Case& c, const PlanInput& input, const DeviceCaps& caps);
 
+// "skin", then "cull": a triangle an invocation is tested, and the indices of those left go into a list by one atomic
+// addition a work group; then "draw", indirect, from that list. Where in the list a work group's triangles lie differs
+// from frame to frame, so triangles that coincide may be drawn in another order.
+Result<FramePlan> planComputeCull(const Case& c, const PlanInput& input, const DeviceCaps& caps);
+
+// The same "skin", then "draw" with a mesh stage that reads the skinned vertices.
+Result<FramePlan> planComputeMesh(const Case& c, const PlanInput& input, const DeviceCaps& caps);
+
 // A pass "draw" over the skinned vertices that FrameInput::skinned brings; on route cpu no pass at all.
 Result<FramePlan> planCpu(const Case& c, const PlanInput& input, const DeviceCaps& caps);
 

@@ -32,13 +32,33 @@ Result<void> stagePalette(Defines& defines, const PlanInput& input, const Device
 
 }  // namespace
 
-Result<FramePlan> planCompute(const Case& c, const PlanInput& input, const DeviceCaps& caps) {
+// Work groups for `all` things of all copies, or for `each` of one.
+static void addDispatches(FramePlan& plan, const char* label, const Case& c, const PlanInput& input,
+                          const DeviceCaps& caps, uint64_t each, uint32_t groupSize) {
+    Pass pass;
+    pass.label = label;
+    pass.kind = PassKind::dispatch;
+    pass.program = static_cast<uint32_t>(plan.programs.size() - 1);
+    auto groups = [&](uint64_t count) { return static_cast<uint32_t>((count + groupSize - 1) / groupSize); };
+    addGroupDraws(pass, c, input, groups(each), groups(each * input.copies),
+                  std::max(1u, std::min(caps.maxComputeGroupCount, 65535u)));
+    plan.passes.push_back(std::move(pass));
+}
+
+Result<void> addSkinPass(FramePlan& plan, const Case& c, const PlanInput& input, const DeviceCaps& caps,
+                         const Defines& more) {
     Defines defines = caseDefines(c, input);
+    for (const auto& [name, value] : more) setDefine(defines, name, value);
     if (c.compute.staged) SKINBENCH_TRY(stagePalette(defines, input, caps));
     auto program = makeProgram(c, input, "skin", {{Stage::compute, "compute.glsl"}}, defines);
     SKINBENCH_TRY(program);
-    FramePlan plan = startPlan(c, input);
     plan.programs.push_back(std::move(*program));
+    addDispatches(plan, "skin", c, input, caps, input.encoded->vertexCount, COMPUTE_GROUP);
+    return {};
+}
+
+Result<FramePlan> planCompute(const Case& c, const PlanInput& input, const DeviceCaps& caps) {
+    FramePlan plan = startPlan(c, input);
     addEncoded(plan, input);
     if (c.compute.tangents || c.compute.shortTangents)
         addStream(plan, SLOT_TANGENT, useStorage, tangentBytes(c, input), input.copies);
@@ -46,15 +66,46 @@ Result<FramePlan> planCompute(const Case& c, const PlanInput& input, const Devic
         plan.streams.push_back({.slot = SLOT_SKINNED_TANGENT,
                                 .gpuBytes = uint64_t{input.copies} * input.encoded->vertexCount * sizeof(uint32_t)});
     addSkinnedStream(plan, input, useStorage | useAttributes, skinnedLayout(c).stride);
-    Pass skin;
-    skin.label = "skin";
-    skin.kind = PassKind::dispatch;
-    const uint64_t vertices = input.encoded->vertexCount;
-    auto groups = [](uint64_t count) { return static_cast<uint32_t>((count + COMPUTE_GROUP - 1) / COMPUTE_GROUP); };
-    addGroupDraws(skin, c, input, groups(vertices), groups(vertices * input.copies),
-                  std::max(1u, std::min(caps.maxComputeGroupCount, 65535u)));
-    plan.passes.push_back(std::move(skin));
+    SKINBENCH_TRY(addSkinPass(plan, c, input, caps));
     if (c.scenario == Scenario::prepass) SKINBENCH_TRY(addSkinnedDraw(plan, c, input, true));
+    SKINBENCH_TRY(addSkinnedDraw(plan, c, input));
+    return plan;
+}
+
+// The commands of all draws: the device counts the indices, the rest stays.
+static Bytes drawCommands(const Case& c, const PlanInput& input) {
+    const auto indices = static_cast<uint32_t>(input.scene->mesh.indices.size());
+    std::vector<DrawCommand> commands;
+    for (uint32_t copy = 0; copy < (c.submission == Submission::batched ? 1 : input.copies); ++copy)
+        commands.push_back(
+            {.firstIndex = copy * indices, .baseVertex = static_cast<int32_t>(copy * input.encoded->vertexCount)});
+    return toBytes(commands);
+}
+
+Result<FramePlan> planComputeCull(const Case& c, const PlanInput& input, const DeviceCaps& caps) {
+    const auto& indices = input.records ? input.records->mesh.indices : input.scene->mesh.indices;
+    FramePlan plan = startPlan(c, input);
+    addEncoded(plan, input);
+    addSkinnedStream(plan, input, useStorage | useAttributes);
+    addStream(plan, SLOT_INDEX, useStorage, toBytes(indices), input.copies);
+    if (c.submission == Submission::batched) plan.streams.back().replicaAdd = input.encoded->vertexCount;
+    plan.streams.push_back({.slot = SLOT_VISIBLE,
+                            .use = useStorage | useIndices,
+                            .gpuBytes = indices.size() * sizeof(uint32_t) * input.copies});
+    plan.streams.push_back({.slot = SLOT_COMMAND, .use = useStorage | useIndirect, .bytes = drawCommands(c, input)});
+    SKINBENCH_TRY(addSkinPass(plan, c, input, caps, {{"LISTS_TRIANGLES", "1"}}));
+
+    Defines defines = caseDefines(c, input);
+    const std::pair<const char*, uint64_t> more[] = {{"REUSE_SKINNED", 1},
+                                                     {"TRIANGLE_COUNT", indices.size() / 3},
+                                                     {"SUBPIXELS", rasterSubpixels(caps)},
+                                                     {"IMAGE_WIDTH", input.width},
+                                                     {"IMAGE_HEIGHT", input.height}};
+    for (const auto& [name, value] : more) setDefine(defines, name, std::to_string(value));
+    auto program = makeProgram(c, input, "cull", {{Stage::compute, "cull_triangles.glsl"}}, defines);
+    SKINBENCH_TRY(program);
+    plan.programs.push_back(std::move(*program));
+    addDispatches(plan, "cull", c, input, caps, indices.size() / 3, CULL_GROUP);
     SKINBENCH_TRY(addSkinnedDraw(plan, c, input));
     return plan;
 }

@@ -6,9 +6,6 @@
 namespace skinbench {
 namespace {
 
-// Fewer bits than nearly every rasteriser has would keep more back faces than needed, never drop a visible one.
-constexpr uint32_t kLeastSubpixelBits = 4;
-
 // What the meshlets' own words need beside them: lists of joints, or what the codec adds.
 struct Extra {
     Bytes bytes;
@@ -71,13 +68,14 @@ Defines meshDefines(const Case& c, const PlanInput& input, const DeviceCaps& cap
     set("COMMON_MESHLETS", input.records ? input.records->commonMeshlets : 0);
     set("EXCHANGE_SHUFFLE", c.cull != Cull::off && exchange == Exchange::shuffle);
     set("EXCHANGE_OUTPUTS", c.cull != Cull::off && exchange == Exchange::outputs);
-    set("SUBPIXELS", 1u << std::max(caps.subpixelBits, kLeastSubpixelBits));
+    set("SUBPIXELS", rasterSubpixels(caps));
     set("IMAGE_WIDTH", input.width);
     set("IMAGE_HEIGHT", input.height);
     return defines;
 }
 
-enum class MeshPass { direct, depth, reuse };
+// direct skins where it draws, and so does depth, which keeps it for reuse; read draws what a compute pass has skinned.
+enum class MeshPass { direct, depth, reuse, read };
 
 Result<void> addMeshPass(FramePlan& plan, MeshPass kind, const Case& c, const PlanInput& input, const DeviceCaps& caps,
                          Defines defines) {
@@ -88,7 +86,7 @@ Result<void> addMeshPass(FramePlan& plan, MeshPass kind, const Case& c, const Pl
         setDefine(defines, "DEPTH_ONLY", "1");
         program = makeProgram(c, input, "depth", {{Stage::mesh, "mesh.glsl"}}, defines);
     } else {
-        setDefine(defines, "REUSE_SKINNED", kind == MeshPass::reuse ? "1" : "0");
+        setDefine(defines, "REUSE_SKINNED", kind == MeshPass::direct ? "0" : "1");
         program =
             makeProgram(c, input, "draw", {{Stage::mesh, "mesh.glsl"}, {Stage::fragment, "surface.glsl"}}, defines);
     }
@@ -105,29 +103,46 @@ Result<void> addMeshPass(FramePlan& plan, MeshPass kind, const Case& c, const Pl
 
 }  // namespace
 
-Result<FramePlan> planMesh(const Case& c, const PlanInput& input, const DeviceCaps& caps) {
+// Streams of the meshlets, and the defines of the stages that read them.
+static Result<Defines> addMeshlets(FramePlan& plan, const Case& c, const PlanInput& input, const DeviceCaps& caps) {
     auto extra = makeExtra(c, input);
     SKINBENCH_TRY(extra);
-    const PackedMeshlets packed = c.layout->pack(
-        *input.meshlets,
-        {.orderedRecords = c.shape.orderedRecords,
-         .commonMeshlets = input.records ? input.records->commonMeshlets : 0,
-         .extraStart = extra->start,
-         .blendBytes = input.encoded->blendBytes,
-         .influences = c.zeroWeights == ZeroWeights::count ? influencesOf(input) : std::vector<uint8_t>()});
-    const Defines defines = meshDefines(c, input, caps, packed, *extra);
-    const bool prepass = c.scenario == Scenario::prepass;
-    FramePlan plan = startPlan(c, input);
-    addEncoded(plan, input);
+    const bool counts = c.zeroWeights == ZeroWeights::count;
+    const PackedMeshlets packed =
+        c.layout->pack(*input.meshlets, {.orderedRecords = c.shape.orderedRecords,
+                                         .commonMeshlets = input.records ? input.records->commonMeshlets : 0,
+                                         .extraStart = extra->start,
+                                         .blendBytes = input.encoded->blendBytes,
+                                         .influences = counts ? influencesOf(input) : std::vector<uint8_t>()});
     addStream(plan, SLOT_MESHLET, useStorage, toBytes(packed.descriptors), input.copies);
     addStream(plan, SLOT_MESHLET_DATA, useStorage, toBytes(packed.data), input.copies);
     addStream(plan, SLOT_MESHLET_EXTRA, useStorage, extra->bytes, input.copies);
-    auto add = [&](MeshPass kind) { return addMeshPass(plan, kind, c, input, caps, defines); };
+    return meshDefines(c, input, caps, packed, *extra);
+}
+
+Result<FramePlan> planMesh(const Case& c, const PlanInput& input, const DeviceCaps& caps) {
+    const bool prepass = c.scenario == Scenario::prepass;
+    FramePlan plan = startPlan(c, input);
+    addEncoded(plan, input);
+    const auto defines = addMeshlets(plan, c, input, caps);
+    SKINBENCH_TRY(defines);
+    auto add = [&](MeshPass kind) { return addMeshPass(plan, kind, c, input, caps, *defines); };
     SKINBENCH_TRY(add(prepass ? MeshPass::depth : MeshPass::direct));
     if (!prepass) return plan;
     addSkinnedStream(plan, input, useStorage | useAttributes);
     auto second = caps.meshDepthDiffers ? add(MeshPass::reuse) : addSkinnedDraw(plan, c, input);
     SKINBENCH_TRY(second);
+    return plan;
+}
+
+Result<FramePlan> planComputeMesh(const Case& c, const PlanInput& input, const DeviceCaps& caps) {
+    FramePlan plan = startPlan(c, input);
+    addEncoded(plan, input);
+    const auto defines = addMeshlets(plan, c, input, caps);
+    SKINBENCH_TRY(defines);
+    addSkinnedStream(plan, input, useStorage);
+    SKINBENCH_TRY(addSkinPass(plan, c, input, caps));
+    SKINBENCH_TRY(addMeshPass(plan, MeshPass::read, c, input, caps, *defines));
     return plan;
 }
 

@@ -73,7 +73,13 @@ std::optional<std::string> unsupported(const Case& c, const DeviceCaps& caps) {
         return std::string("no attribute format carries codec ") + c.codec->name;
     if ((c.shape.uniformPalette || usesPartition(c)) && c.submission == Submission::batched)
         return "a uniform block holds one copy's palette, so copies cannot be drawn at once";
-    if (c.zeroWeights == ZeroWeights::count && c.route->dialect == MeshDialect::none)
+    if (c.loadsOnly && (c.compute.previous || c.compute.tangents || c.compute.shortTangents))
+        return "loads-only skins neither tangents nor positions that could be kept";
+    if (c.variant->listsTriangles && (c.triangleTests & TEST_BACK) && c.keepBackFaces)
+        return "the test for back faces drops what kept back faces draw";
+    if (c.variant->readsSkinned && c.codec->needsMeshlets)
+        return std::string("codec ") + c.codec->name + " decodes in mesh stages only";
+    if (c.zeroWeights == ZeroWeights::count && (c.route->dialect == MeshDialect::none || c.variant->readsSkinned))
         return "influences are counted in the headers of meshlets";
     if (c.compute.tangents && c.compute.shortTangents) return "tangents are kept either long or short";
     if (c.compute.staged && c.submission == Submission::batched)

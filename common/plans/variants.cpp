@@ -40,6 +40,11 @@ const std::vector<Variant>& variants() {
          .skinsInCompute = true,
          .prepasses = true,
          .plan = planCompute},
+        {.name = "compute-cull",
+         .what = "as compute, and a second pass lists the triangles that can be seen for an indirect draw",
+         .onPlainRoutes = true,
+         .listsTriangles = true,
+         .plan = planComputeCull},
         {.name = "mesh",
          .what = "a mesh-shader work group skins and draws a meshlet",
          .onMeshRoutes = true,
@@ -51,6 +56,11 @@ const std::vector<Variant>& variants() {
          .prepasses = true,
          .storedAs = StoredAs::commonInfluences,
          .plan = planDirect},
+        {.name = "compute-mesh",
+         .what = "a compute pass skins into a buffer, a mesh-shader work group draws a meshlet of it",
+         .onMeshRoutes = true,
+         .readsSkinned = true,
+         .plan = planComputeMesh},
         {.name = "palette",
          .what = "as vertex, in draws whose joints fit the slots of a small uniform palette",
          .onPlainRoutes = true,
@@ -80,6 +90,8 @@ bool runsOn(const Variant& variant, const Route& route) {
     if (route.api == Api::cpu) return variant.onCpuRoute;
     return route.dialect == MeshDialect::none ? variant.onPlainRoutes : variant.onMeshRoutes;
 }
+
+bool posesVertices(const Case& c) { return c.variant->skins && !c.loadsOnly; }
 
 bool onMeshRoute(const Case& c) { return c.route->dialect != MeshDialect::none; }
 

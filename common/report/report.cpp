@@ -272,6 +272,8 @@ static Json settingsJson(const RunContext& context) {
             {"width", context.workload.width},
             {"height", context.workload.height},
             {"pose", context.workload.animated ? "animated" : "frozen"},
+            {"camera", cameraNames()[static_cast<size_t>(context.workload.camera)]},
+            {"vertices_in_view", context.verticesInView ? Json(*context.verticesInView) : Json(nullptr)},
             {"rounds", context.bench.rounds},
             {"precision", positive(context.bench.precision)},
             {"time_limit_s", positive(context.bench.timeLimit)},

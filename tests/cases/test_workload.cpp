@@ -258,3 +258,19 @@ TEST_CASE("what leaves the image is counted") {
     CHECK(*share > 0.3);
     CHECK(*share < 1);
 }
+
+TEST_CASE("cameras have less in view than the crowd, or all of it at one place") {
+    const auto share = [](Camera camera) {
+        Workload workload = workloadOf(tinyScene(), {.copies = 60, .width = 640, .height = 360, .camera = camera});
+        return 1 - *shareOutOfView(workload, 4);
+    };
+    CHECK(share(Camera::crowd) == 1.0);
+    CHECK(share(Camera::close) == 1.0);
+    CHECK(share(Camera::half) > 0.35);
+    CHECK(share(Camera::half) < 0.65);
+    CHECK(share(Camera::inside) > 0.02);
+    CHECK(share(Camera::inside) < 0.4);
+    Workload close = workloadOf(tinyScene(), {.copies = 60, .width = 640, .height = 360, .camera = Camera::close});
+    Workload one = workloadOf(tinyScene(), {.width = 640, .height = 360});
+    CHECK(frameOf(close, 0).constants.viewProjection == frameOf(one, 0).constants.viewProjection);
+}

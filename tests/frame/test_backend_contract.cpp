@@ -56,6 +56,38 @@ TEST_CASE("backends: streams hold all replicas, or zeros where only the device w
     CHECK(subject.stream<uint8_t>(id, SLOT_TANGENT) == std::vector<uint8_t>{1, 2, 3, 4, 5});
 }
 
+TEST_CASE("backends: an indirect draw counts what the device wrote, and takes the rest from its command") {
+    Subject subject(Needs::images);
+    FramePlan plan = trianglePlan(subject.api(), {0, 1, 2, 3, 2, 1});
+    plan.streams.push_back(
+        {.slot = SLOT_COMMAND,
+         .use = useStorage | useIndirect,
+         .bytes = bytesOf(std::vector<DrawCommand>{{.count = 3, .firstIndex = 0, .baseVertex = 1},
+                                                   {.count = 0, .firstIndex = 3, .baseVertex = 1}})});
+    plan.passes[0].draws = {{.constants = {0, kRed, 0, 0}, .command = 0}};
+    CHECK(onlyUpperHalf(subject.image(plan), kRed));
+    plan.passes[0].draws = {{.constants = {0, kRed, 0, 0}, .command = 1}};
+    CHECK(nothingDrawn(subject.image(plan)));
+    // The second command is written by a pass before, and the first one emptied.
+    plan.programs.push_back({.label = "count", .stages = {glsl(subject.api(), Stage::compute, R"(
+layout(local_size_x = 1) in;
+layout(std430, binding = SLOT_COMMAND) buffer CommandBlock { uint words[]; };
+void main() {
+    words[0] = 0u;
+    atomicAdd(words[5], 3u - words[5]);
+}
+)")}});
+    plan.passes.insert(plan.passes.begin(),
+                       {.label = "cull", .kind = PassKind::dispatch, .program = 1, .draws = {{.count = 1}}});
+    plan.passes[1].draws = {{.constants = {0, kRed, 0, 0}, .command = 0},
+                            {.constants = {0, kGreen, 0, 0}, .command = 1}};
+    for (RunMode mode : drawingModes(subject)) {
+        const Image image = subject.image(plan, {stillFrame()}, mode);
+        CHECK(upperHalf(image) == kBackground);
+        CHECK(lowerHalf(image) == kGreen);
+    }
+}
+
 TEST_CASE("backends: every stream is bound at the number of its slot: eight storage blocks, and a uniform one") {
     Subject subject(Needs::images);
     std::string blocks, reads;

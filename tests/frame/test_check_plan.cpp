@@ -38,11 +38,22 @@ TEST_CASE("backends refuse a plan that no device can run") {
     Subject subject;
     const std::vector<Broken> all = {
         {"slot 1 is not one that a stream may have", [](FramePlan& p) { p.streams[0].slot = SLOT_PALETTE; }},
-        {"slot 11 is not one that a stream may have", [](FramePlan& p) { p.streams[0].slot = SLOT_COUNT; }},
+        {std::format("slot {} is not one that a stream may have", SLOT_COUNT),
+         [](FramePlan& p) { p.streams[0].slot = SLOT_COUNT; }},
         {"two streams at slot 7", [](FramePlan& p) { p.streams[0].slot = SLOT_SKINNED; }},
         {"the stream at slot 2 adds to 32-bit words, and is not made of them",
          [](FramePlan& p) { p.streams[0].bytes = bytesOf(std::vector<char>(7)), p.streams[0].replicaAdd = 1; }},
         {"two streams feed indexed draws", [](FramePlan& p) { p.streams[0].use |= useIndices; }},
+        {"two streams hold the commands of indirect draws",
+         [](FramePlan& p) { p.streams[0].use |= useIndirect, p.streams[2].use |= useIndirect; }},
+        {"pass 'draw': a draw reads command 0, and there are 0",
+         [](FramePlan& p) { p.passes[1].draws[0].command = 0; }},
+        {"pass 'draw': a draw reads command 3, and there are 3",
+         [](FramePlan& p) {
+             p.streams.push_back({.slot = SLOT_COMMAND, .use = useIndirect, .gpuBytes = 3 * sizeof(DrawCommand) + 19});
+             p.passes[1].draws[0].command = 3;
+         }},
+        {"pass 'skin': only indexed draws are indirect", [](FramePlan& p) { p.passes[0].draws[0].command = 0; }},
         {"two streams are written by the host",
          [](FramePlan& p) { p.streams[0].hostWritten = p.streams[2].hostWritten = true; }},
         {"pass 'draw': no stream feeds its indexed draws",
@@ -94,9 +105,9 @@ TEST_CASE("backends refuse a plan that their device cannot hold, with both numbe
         {"needs an image of 64x0 pixels: " + images, [](FramePlan& p) { p.height = 0; }},
     };
     if (uniform < UINT32_MAX - 48)
-        all.push_back({std::format("needs a uniform block of {} bytes for {} joints: {} allows {}", uniform + 48,
-                                   (uniform + 48) / 48, name, uniform),
-                       [&](FramePlan& p) { p.paletteBytes = p.paletteRange = static_cast<uint32_t>(uniform + 48); }});
+        all.push_back(
+            {std::format("needs a uniform block of {} bytes for joints: {} allows {}", uniform + 48, name, uniform),
+             [&](FramePlan& p) { p.paletteBytes = p.paletteRange = static_cast<uint32_t>(uniform + 48); }});
     const uint64_t part = std::min(caps.deviceBytes / 4, caps.maxBufferBytes);
     if (part && part * 6 > caps.deviceBytes)
         all.push_back({std::format("needs {}: {} has {}; use a smaller scene",

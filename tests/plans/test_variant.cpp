@@ -54,8 +54,10 @@ TEST_CASE("variants run on the routes that can carry them") {
     const std::map<std::string, std::string> wanted = {{"none", "vk vk-ext vk-nv gl gl-ext gl-nv"},
                                                        {"vertex", "vk gl"},
                                                        {"compute", "vk gl"},
+                                                       {"compute-cull", "vk gl"},
                                                        {"mesh", "vk-ext vk-nv gl-ext gl-nv"},
                                                        {"mesh-ci", "vk-ext vk-nv gl-ext gl-nv"},
+                                                       {"compute-mesh", "vk-ext vk-nv gl-ext gl-nv"},
                                                        {"palette", "vk gl"},
                                                        {"cpu", "vk gl cpu"}};
     for (const auto& [variant, names] : wanted) {

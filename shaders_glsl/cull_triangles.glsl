@@ -1,0 +1,84 @@
+// `compute-cull`, the pass between skinning and the draw: a triangle an invocation, tested by TRIANGLE_TESTS, and the indices
+// of those left in a list. One atomic addition a work group makes room for all of its triangles.
+#if STAGE_COMPUTE
+#include "frame.glsl"
+#include "skinned.glsl"
+#include "commands.glsl"
+#include "triangle_tests.glsl"
+
+layout(local_size_x = CULL_GROUP) in;
+
+layout(std430, binding = SLOT_INDEX) readonly restrict buffer IndexBlock { uint sourceIndices[]; };
+layout(std430, binding = SLOT_VISIBLE) writeonly restrict buffer VisibleBlock { uint visibleIndices[]; };
+
+shared uint keptBits[CULL_GROUP / 32];
+shared uint firstPlace;
+
+// A draw is rasterised where nothing says that it cannot be seen.
+bool isVisible(vec4 a, vec4 b, vec4 c) {
+#if (TRIANGLE_TESTS & TEST_FRUSTUM) != 0
+    if (isBeyondOnePlane(a, b, c)) return false;
+#endif
+#if (TRIANGLE_TESTS & (TEST_BACK | TEST_SMALL)) != 0
+    if (isTrusted(a) && isTrusted(b) && isTrusted(c)) {
+        vec2 pa = screenPosition(a), pb = screenPosition(b), pc = screenPosition(c);
+#if (TRIANGLE_TESTS & TEST_BACK) != 0
+        if (facesAway(pa, pb, pc)) return false;
+#endif
+#if (TRIANGLE_TESTS & TEST_SMALL) != 0
+        if (coversNoSample(pa, pb, pc)) return false;
+#endif
+    }
+#endif
+    return true;
+}
+
+void main() {
+    uint triangle = gl_GlobalInvocationID.x + drawConstants.y * uint(CULL_GROUP);
+#if BATCHED
+    uint copyNumber = triangle / uint(TRIANGLE_COUNT);
+    bool there = triangle < uint(TRIANGLE_COUNT) * uint(COPY_COUNT);
+    uint firstVertex = 0u;  // indices count over all copies
+    uint source = triangle * 3u;
+    uint list = 0u;
+#else
+    uint copyNumber = drawConstants.x;
+    bool there = triangle < uint(TRIANGLE_COUNT);
+    uint firstVertex = copyNumber * uint(VERTEX_COUNT);
+    uint list = copyNumber * uint(TRIANGLE_COUNT) * 3u;
+    uint source = list + triangle * 3u;
+#endif
+    uint lane = gl_LocalInvocationID.x;
+    if (lane < uint(CULL_GROUP / 32)) keptBits[lane] = 0u;
+    memoryBarrierShared();
+    barrier();
+
+    uvec3 corners = uvec3(0u);
+    bool kept = false;
+    if (there) {
+        corners = uvec3(sourceIndices[source], sourceIndices[source + 1u], sourceIndices[source + 2u]);
+        kept = isVisible(clipPosition(skinnedVertices[firstVertex + corners.x].positionU.xyz, copyNumber),
+                         clipPosition(skinnedVertices[firstVertex + corners.y].positionU.xyz, copyNumber),
+                         clipPosition(skinnedVertices[firstVertex + corners.z].positionU.xyz, copyNumber));
+    }
+    if (kept) atomicOr(keptBits[lane / 32u], 1u << (lane % 32u));
+    memoryBarrierShared();
+    barrier();
+
+    uint before = uint(bitCount(keptBits[lane / 32u] & ((1u << (lane % 32u)) - 1u)));
+    uint total = 0u;
+    for (uint word = 0u; word < uint(CULL_GROUP / 32); ++word) {
+        uint count = uint(bitCount(keptBits[word]));
+        if (word < lane / 32u) before += count;
+        total += count;
+    }
+    if (lane == 0u) firstPlace = total == 0u ? 0u : atomicAdd(commands[commandOf(copyNumber)].count, total * 3u);
+    memoryBarrierShared();
+    barrier();
+    if (!kept) return;
+    uint place = list + firstPlace + before * 3u;
+    visibleIndices[place] = corners.x;
+    visibleIndices[place + 1u] = corners.y;
+    visibleIndices[place + 2u] = corners.z;
+}
+#endif
