@@ -1,4 +1,5 @@
 // The program as a user calls it: exit statuses, what goes to which stream, files.
+#include <format>
 #include <functional>
 #include <limits>
 
@@ -356,6 +357,7 @@ TEST_CASE("what the machine cannot do has status 1") {
         {{"verify", "builtin:robot:2000", "--routes", "vk", "--device", "voodoo"}, 1, "voodoo"},
         {{"verify", "builtin:robot:2000", "--routes", "vk,gl", "--device", "77"}, 1, "77"},
         {{"probe", "--device", "voodoo"}, 1, "voodoo"},
+        {{"probe", "--device", "256"}, 1, "no device '256'"},
         {{"reproduce", "torabi", "--device", "voodoo"}, 1, "voodoo"},
         {{"render", "builtin:robot:2000", "--route", "vk", "--device", "voodoo", "-o", "v.png"}, 1, "voodoo"},
     });
@@ -472,9 +474,67 @@ TEST_CASE("probe tells what there is and what auto takes") {
     CHECK(found["auto"]["variant"].is_string());
     for (const json& device : found["devices"])
         CHECK(device["routes"].size() == 11);  // 5 variants without mesh shaders, 3 on each mesh route
+    CHECK(found["auto"]["rule"].size() == 8);
+    CHECK(found["measured"].is_null());
     const Outcome text = call({"probe"});
     CHECK(text.status == 0);
-    CHECK_THAT(text.out, ContainsSubstring("auto: " + found["auto"]["route"].get<std::string>()));
+    CHECK_THAT(text.out, ContainsSubstring("auto: " + found["auto"]["route"].get<std::string>()) &&
+                             ContainsSubstring("rule of auto: the first that runs of vk-ext/mesh, vk-nv/mesh"));
+    for (const json& device : found["devices"])
+        CHECK_THAT(text.out, ContainsSubstring(std::format("{}: {}", device["number"].get<size_t>(),
+                                                           device["name"].get<std::string>())));
+}
+
+TEST_CASE("probe measures what auto chooses from") {
+    if (json::parse(call({"probe", "--json"}).out, nullptr, false)["auto"]["route"] == "cpu") SKIP("no driver");
+    const Outcome probe = call({"probe", "--measure", "builtin:robot:2000", "--json"});
+    INFO(probe.err);
+    CHECK(probe.status == 0);
+    const json measured = json::parse(probe.out, nullptr, false)["measured"];
+    REQUIRE(measured.is_object());
+    REQUIRE(measured["cases"].size() > 1);
+    CHECK(measured["fastest"] == measured["cases"][0]["id"]);
+    CHECK(measured["rule"].is_string());
+    double last = 0;
+    for (const json& row : measured["cases"]) {
+        INFO(row["id"]);
+        REQUIRE(row["median_ms"].is_number());
+        CHECK(row["median_ms"] >= last);
+        last = row["median_ms"];
+    }
+    checkRefused(call({"probe", "--measure", "none.glb"}), 2, "none.glb");
+}
+
+TEST_CASE("every device has a folder of its own") {
+    const json found = json::parse(call({"probe", "--json"}).out, nullptr, false);
+    if (found["devices"].empty()) SKIP("no driver");
+    checkRefused(call({"verify", "builtin:robot:2000", "--device", "all", "--json"}), 2, "--device all");
+    const Outcome all = call({"verify", "builtin:robot:2000", "--routes", "vk,gl", "--variants", "vertex", "--copies",
+                              "1", "--size", "64x64", "--device", "all", "--out", "each"});
+    INFO(all.err);
+    CHECK(all.status == 0);
+    size_t files = 0;
+    for (const auto& folder : fs::directory_iterator(pathOf("each"))) {
+        const auto text = readWholeFile((folder.path() / "results.json").string());
+        if (!text) continue;
+        ++files;
+        const json device = json::parse(*text, nullptr, false)["devices"][0];
+        CHECK_THAT(folder.path().filename().string(),
+                   Catch::Matchers::StartsWith(std::to_string(device["number"].get<size_t>()) + "-"));
+    }
+    CHECK(files >= 1);
+    CHECK_THAT(all.err, ContainsSubstring("skinbench: device "));
+}
+
+TEST_CASE("OpenGL's reason is what the display said that came farthest") {
+    const Words old = {"MESA_GL_VERSION_OVERRIDE=3.3", "LIBGL_ALWAYS_SOFTWARE=1"};
+    const json found = json::parse(call({"probe", "--json"}, old).out, nullptr, false);
+    REQUIRE(found.is_object());
+    if (found["missing"].empty()) SKIP("a driver that the variable does not bind");
+    const std::string reason = found["missing"].back();
+    if (!reason.starts_with("OpenGL: no device")) SKIP("no EGL");
+    CHECK_THAT(reason, ContainsSubstring("OpenGL: no device: no core profile of version 4.5 or newer"));
+    CHECK(reason.size() <= 400);
 }
 
 TEST_CASE("shaders that are not there") {
