@@ -251,6 +251,15 @@ size_t usualDevice(const Machine& machine, const std::vector<Api>& needed) {
     return 0;
 }
 
+// Whether the first takes the second's entry as perhaps its own.
+bool isPerhaps(const Machine& machine, size_t first, size_t second) {
+    const auto& perhaps = machine.devices[first].perhaps;
+    return std::ranges::any_of(machine.devices[second].entries, [&](const auto& entry) {
+        const auto guess = perhaps.find(entry.first);
+        return guess != perhaps.end() && guess->second == entry.second;
+    });
+}
+
 }  // namespace
 
 std::string uuidText(const std::array<uint8_t, 16>& uuid) {
@@ -330,7 +339,11 @@ std::vector<size_t> allDevices(const Machine& machine) {
     std::vector<size_t> all = machine.order;
     const auto isHardware = [&](size_t i) { return !machine.devices[i].software; };
     if (std::ranges::any_of(all, isHardware)) std::erase_if(all, [&](size_t i) { return !isHardware(i); });
-    return all;
+    std::vector<size_t> once;
+    for (size_t i : all)
+        if (std::ranges::none_of(once, [&](size_t earlier) { return isPerhaps(machine, earlier, i); }))
+            once.push_back(i);
+    return once;
 }
 
 Result<Entry> entryOf(const Machine& machine, size_t number, Api wanted) {

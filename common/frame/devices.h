@@ -74,7 +74,8 @@ Machine makeMachine(std::vector<ApiDevices> apis, const Environment& environment
 // else the first that `needed` have; else the first. A machine without a device is an error that says why.
 Result<size_t> pickDevice(const Machine& machine, const std::string& wanted, const std::vector<Api>& needed);
 
-// "all": every hardware device that may be chosen, or the software ones where there is no other.
+// "all": every hardware device that may be chosen, or the software ones where there is no other. One that an earlier
+// device perhaps is comes with that one.
 std::vector<size_t> allDevices(const Machine& machine);
 
 // A device's entry in an API's list. `note` is not empty where the entry is only perhaps the device. The error says

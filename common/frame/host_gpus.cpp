@@ -60,18 +60,11 @@ std::vector<HostGpu> listHostGpus(const std::string& root) {
 
 std::vector<HostGpu> unusedGpus(const std::vector<HostGpu>& gpus, const Machine& machine) {
     std::vector<HostGpu> unused = gpus;
-    std::erase_if(unused, [&](const HostGpu& gpu) {
-        return std::ranges::any_of(machine.devices, [&](const PhysicalDevice& device) {
-            return !device.pci.empty() && device.pci == gpu.pci;
-        });
-    });
-    // A device without an address may be any one of the rest.
     for (const PhysicalDevice& device : machine.devices) {
-        const bool located = !device.pci.empty() && !unused.empty() && !unused.front().pci.empty();
-        if (device.software || located) continue;
-        const auto stands = std::ranges::find_if(
-            unused, [&](const HostGpu& gpu) { return !device.vendor || device.vendor == gpu.vendor; });
-        if (stands != unused.end()) unused.erase(stands);
+        if (device.software) continue;
+        const auto known = std::ranges::find(gpus, device.pci, &HostGpu::pci);
+        const uint32_t vendor = device.vendor || known == gpus.end() ? device.vendor : known->vendor;
+        std::erase_if(unused, [&](const HostGpu& gpu) { return gpu.vendor == vendor || !vendor; });
     }
     return unused;
 }

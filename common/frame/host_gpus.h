@@ -18,7 +18,8 @@ struct HostGpu {
 // virtual machine), from /sys and /dev below `root`. Where /sys lists none, one for NVIDIA's device files.
 std::vector<HostGpu> listHostGpus(const std::string& root = "/");
 
-// Those that no device of the machine can be.
+// Those of vendors that no hardware device of the machine is of. Where a driver offers one card of a vendor, the others
+// are kept from this process (a scheduler hides their device files, but not their entries in /sys).
 std::vector<HostGpu> unusedGpus(const std::vector<HostGpu>& gpus, const Machine& machine);
 
 // A line that says so and what to do; empty without any. `inRoot`: in the root folder that tools/enter enters, whose

@@ -150,6 +150,7 @@ TEST_CASE("where nothing tells two cards of one name apart, the run says so") {
         guess->note ==
         "whether OpenGL's H is the same device as H (device 1) cannot be told: no UUID or PCI address that both give");
     CHECK(entryOf(machine, 2, Api::vulkan)->number == 0);
+    CHECK(allDevices(machine) == std::vector<size_t>{0, 1});
     CHECK(entryOf(machine, 4, Api::vulkan).error().text ==
           "Vulkan does not offer llvmpipe (LLVM 19.1.7, 256 bits), only 0 (H (device 0)), 1 (H (device 1))");
 }

@@ -75,8 +75,10 @@ TEST_CASE("a GPU that no device stands for is said with the way to use it") {
                                        {"0000:3c:00.0", kVendorNvidia, "nvidia"}};
     const Machine processor = machineOf({device("", 0, true)});
     CHECK(unusedGpus(gpus, processor).size() == 2);
-    CHECK(unusedGpus(gpus, machineOf({device("0000:3c:00.0", kVendorNvidia)})).size() == 1);
-    CHECK(unusedGpus(gpus, machineOf({device("", kVendorNvidia)})).size() == 1);
+    CHECK(unusedGpus(gpus, machineOf({device("0000:3c:00.0", kVendorNvidia)})).empty());
+    CHECK(unusedGpus(gpus, machineOf({device("0000:3c:00.0", 0)})).empty());
+    CHECK(unusedGpus(gpus, machineOf({device("", kVendorNvidia)})).empty());
+    CHECK(unusedGpus(gpus, machineOf({device("", 0)})).empty());
     CHECK(unusedGpus(gpus, machineOf({device("", kVendorAmd)})).size() == 2);
     CHECK(unusedText({}, true) == "");
     CHECK(unusedText(gpus, true) ==
