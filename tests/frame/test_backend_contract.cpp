@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <format>
 
+#include "common/frame/devices.h"
 #include "tests/frame/subject.h"
 
 using namespace skinbench;
@@ -450,6 +451,8 @@ TEST_CASE("backends: a device is opened by its number in the list") {
         CAPTURE(caps.name);
         CHECK(caps.api == subject.api());
         CHECK_FALSE((caps.name.empty() || caps.driver.empty() || caps.version.empty()));
+        CHECK((caps.uuid.empty() || caps.uuid.size() == 36));
+        CHECK(caps.pci == pciText(caps.pci));
         CHECK((caps.timestampPeriodNs > 0) == (caps.timestampBits > 0));
         CHECK(std::ranges::is_sorted(caps.extensions));
     }
