@@ -250,6 +250,10 @@ TEST_CASE("warnings: clocks that moved, a build that is no release, rounds that 
     context.deviceStates[1][0].smClockMhz = 1900;
     REQUIRE(figureWarnings(context, none).size() == 1);
     CHECK_THAT(figureWarnings(context, none)[0], ContainsSubstring("from 2000 to 1900 MHz"));
+    // The clock of a card that the run did not use.
+    context.devices[1].uuid = "a";
+    context.deviceStates[0][0].uuid = "b";
+    CHECK(figureWarnings(context, none).empty());
     context.deviceStates.clear();
     context.buildType = "Debug";
     REQUIRE(figureWarnings(context, none).size() == 1);
