@@ -35,8 +35,9 @@ done < <(list_libraries | sed -n \
     's/^[[:space:]]*\(lib\(nvidia-\|GLX_nvidia\|EGL_nvidia\|GLESv2_nvidia\)[^ ]*\) (libc6,x86-64[^)]*) => \(.*\)$/\1 \3/p')
 vulkan=$(first_file "$host"/etc/vulkan/icd.d/nvidia*.json "$host"/usr/share/vulkan/icd.d/nvidia*.json)
 egl=$(first_file "$host"/etc/glvnd/egl_vendor.d/*nvidia*.json "$host"/usr/share/glvnd/egl_vendor.d/*nvidia*.json)
-[ -n "${libraries[libGLX_nvidia.so.0]:-}" ] && [ -n "${libraries[libEGL_nvidia.so.0]:-}" ] || exit 0
-[ -n "$vulkan" ] && [ -n "$egl" ] || exit 0
+for needed in "${libraries[libGLX_nvidia.so.0]:-}" "${libraries[libEGL_nvidia.so.0]:-}" "$vulkan" "$egl"; do
+    [ -n "$needed" ] || exit 0
+done
 
 for file in "$host"/dev/nvidia*; do
     [ -d "$file" ] || printf '%s\n' --dev-bind "$file" "${file#"$host"}"

@@ -34,10 +34,10 @@ bool isUnique(const std::vector<DeviceCaps>& devices, Field field, const std::st
     return !value.empty() && std::ranges::count(devices, value, field) == 1;
 }
 
-void dropShared(std::vector<DeviceCaps>& devices, Field field) {
+void dropSharedUuids(std::vector<DeviceCaps>& devices) {
     const std::vector<DeviceCaps> before = devices;
     for (DeviceCaps& caps : devices)
-        if (!isUnique(before, field, caps.*field)) caps.*field = "";
+        if (!isUnique(before, &DeviceCaps::uuid, caps.uuid)) caps.uuid = "";
 }
 
 // An entry without a PCI address gets that of the same UUID in another list.
@@ -70,7 +70,8 @@ bool isOnlyOfItsName(const std::vector<DeviceCaps>& devices, const DeviceCaps& c
 bool isSame(const ApiDevices& apiA, const DeviceCaps& a, const ApiDevices& apiB, const DeviceCaps& b) {
     if (a.software != b.software) return false;
     if (!a.uuid.empty() && !b.uuid.empty()) return a.uuid == b.uuid;
-    if (!a.pci.empty() && !b.pci.empty()) return a.pci == b.pci;
+    if (differ(a.pci, b.pci)) return false;
+    if (isUnique(apiA.devices, &DeviceCaps::pci, a.pci) && isUnique(apiB.devices, &DeviceCaps::pci, b.pci)) return true;
     const auto isSoftware = [](const DeviceCaps& caps) { return caps.software; };
     if (a.software && std::ranges::count_if(apiA.devices, isSoftware) == 1 &&
         std::ranges::count_if(apiB.devices, isSoftware) == 1)
@@ -290,8 +291,7 @@ std::string pciText(std::string_view address) {
 
 Machine makeMachine(std::vector<ApiDevices> apis, const Environment& environment) {
     Machine machine;
-    for (ApiDevices& api : apis)
-        for (Field field : {&DeviceCaps::uuid, &DeviceCaps::pci}) dropShared(api.devices, field);
+    for (ApiDevices& api : apis) dropSharedUuids(api.devices);
     sharePci(apis);
     machine.apis = std::move(apis);
     for (const ApiDevices& api : machine.apis)

@@ -3,7 +3,8 @@
 //
 // Two entries of two APIs are one physical device when their UUIDs are equal, else when their PCI addresses are, else
 // when their names are and each API has one of that name; the software drivers of all APIs are the host's processor.
-// UUIDs that two devices of one API share, as Mesa's software drivers do, count as none.
+// UUIDs that two devices of one API share, as Mesa's software drivers do, count as none; so do, for matching, the
+// addresses of two drivers for one card.
 #pragma once
 
 #include <array>

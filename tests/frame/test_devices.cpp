@@ -136,6 +136,17 @@ TEST_CASE("UUIDs that two devices of an API share count as none") {
     CHECK(entryOf(machine, 0, Api::opengl).error().text == "OpenGL does not offer A, only 1 (B)");
 }
 
+TEST_CASE("two drivers for one card stay two devices with its address") {
+    const Machine machine = makeMachine(
+        {{Api::vulkan, {gpu(Api::vulkan, "A (RADV)", "", pciOf(1)), gpu(Api::vulkan, "A PRO", "", pciOf(1))}},
+         {Api::opengl, {gpu(Api::opengl, "A (si)", "", pciOf(1))}}},
+        {});
+    REQUIRE(machine.devices.size() == 2);
+    CHECK(entry(machine, 0, Api::opengl) == 0);
+    CHECK(machine.devices[1].pci == pciOf(1));
+    CHECK_THAT(refusal(machine, "1:00.0"), ContainsSubstring("'1:00.0' fits 2 devices"));
+}
+
 TEST_CASE("where nothing tells two cards of one name apart, the run says so") {
     const Machine machine =
         makeMachine({{Api::vulkan, {gpu(Api::vulkan, "H", uuidOf('a')), gpu(Api::vulkan, "H", uuidOf('b'))}},
