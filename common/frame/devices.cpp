@@ -69,9 +69,10 @@ bool isOnlyOfItsName(const std::vector<DeviceCaps>& devices, const DeviceCaps& c
 // Whether two entries of two APIs are surely one device.
 bool isSame(const ApiDevices& apiA, const DeviceCaps& a, const ApiDevices& apiB, const DeviceCaps& b) {
     if (a.software != b.software) return false;
-    if (!a.uuid.empty() && !b.uuid.empty()) return a.uuid == b.uuid;
+    if (!a.uuid.empty() && a.uuid == b.uuid) return true;
     if (differ(a.pci, b.pci)) return false;
     if (isUnique(apiA.devices, &DeviceCaps::pci, a.pci) && isUnique(apiB.devices, &DeviceCaps::pci, b.pci)) return true;
+    if (differ(a.uuid, b.uuid)) return false;
     const auto isSoftware = [](const DeviceCaps& caps) { return caps.software; };
     if (a.software && std::ranges::count_if(apiA.devices, isSoftware) == 1 &&
         std::ranges::count_if(apiB.devices, isSoftware) == 1)

@@ -117,6 +117,11 @@ TEST_CASE("cards without UUIDs are matched by their PCI address, then by a name 
         {});
     CHECK(byPci.devices.size() == 2);
     CHECK(entry(byPci, 0, Api::opengl) == 1);
+    // Two vendors' drivers may count UUIDs differently.
+    const Machine otherUuid = makeMachine({{Api::vulkan, {gpu(Api::vulkan, "A", uuidOf('a'), pciOf(1))}},
+                                           {Api::opengl, {gpu(Api::opengl, "B", uuidOf('b'), pciOf(1))}}},
+                                          {});
+    CHECK(otherUuid.devices.size() == 1);
     const Machine byName =
         makeMachine({{Api::vulkan, {gpu(Api::vulkan, "A (RADV)"), gpu(Api::vulkan, "B (RADV)")}},
                      {Api::opengl, {gpu(Api::opengl, "B (si)"), gpu(Api::opengl, "A (si)"), software(Api::opengl)}}},
