@@ -6,7 +6,10 @@
 #include <string>
 #include <vector>
 
+#include <nlohmann/json_fwd.hpp>
+
 #include "common/cases/axes.h"
+#include "common/frame/devices.h"
 #include "common/measure/bench.h"
 #include "common/report/report.h"
 
@@ -28,29 +31,47 @@ size_t terminalWidth();
 
 // --- devices (devices.cpp) -------------------------------------------------------------------------------------
 
-std::vector<Api> graphicsApis();
-Result<std::vector<DeviceCaps>> listDevices(Api api);
+// The devices of this machine, listed on the first call, which takes a second.
+const Machine& thisMachine();
 
-// The backends that a run uses, one an API at the most.
+// What a user should know of them: variables that hide devices, GPUs that no driver offers.
+const std::vector<std::string>& machineNotes();
+
+// The backends that a run uses, one an API at the most, all on one physical device.
 struct Devices {
     std::vector<std::unique_ptr<Backend>> owned;
     Backends byApi;
     bool anyHardware = false;
     std::vector<DeviceCaps> caps;
+    std::vector<std::string> notes;  // where it cannot be told whether two APIs are on one device
 };
 
-// Opens what the routes need. An API that cannot be opened stays in `byApi` with its reason; only a device that was
-// named and that no API has is an error.
-Result<Devices> openDevices(const std::vector<const Route*>& needed, const BackendOptions& options);
+// Opens what the routes need on the device that a word names (pickDevice) and says the machine's notes. An API that
+// cannot be opened stays in `byApi` with its reason; only a device that was named and that no API has is an error.
+Result<Devices> openDevices(const std::vector<const Route*>& needed, const std::string& device, bool validation);
 
-// The route that a program should take, best first: mesh shaders before compute before the CPU, hardware before
-// software, Vulkan before OpenGL, EXT before NV.
+// The caps of a device on every API that has it.
+std::vector<DeviceCaps> capsOfDevice(size_t device);
+
+// The routes that `auto` tries, best first: mesh shaders before compute before the vertex stage, Vulkan before OpenGL,
+// EXT before NV.
+struct RouteWish {
+    const char* route;
+    const char* variant;
+    const char* reason;
+};
+const std::vector<RouteWish>& routeWishes();
+
+// The first of them that a device runs.
 struct Choice {
     const Route* route = nullptr;
     const Variant* variant = nullptr;
     std::string reason;
 };
 Choice chooseRoute(const std::vector<DeviceCaps>& devices);
+
+// What `auto` stands for on the device that a word names; an empty word becomes the number of the device.
+Result<Choice> chooseRouteOf(std::string& device);
 
 // --- selectors (selectors.cpp) ---------------------------------------------------------------------------------
 
@@ -143,11 +164,23 @@ struct RunOptions {
 };
 int runCases(const RunOptions& options);  // bench and verify
 
+// The run on every device (allDevices) one after the other, each with a folder of its own in --out, and a page of all.
+// A device that fails ends no other's.
+int runOnAllDevices(const RunOptions& options, int (*runOn)(const RunOptions& options));
+
 struct ProbeOptions {
     std::string device;
+    bool measure = false;  // time what `auto` chooses from
+    std::string scene = "builtin:biped";
     bool json = false;
 };
 int runProbe(const ProbeOptions& options);
+
+// Verifies and times every route and variant of routeWishes() that the device (its number, as a word) runs: scene,
+// copies, cases with median_ms and interval, the fastest first, and the ids of the fastest and of the rule's choice.
+Result<nlohmann::ordered_json> measureChoices(const std::string& scene, const std::string& device,
+                                              const Choice& choice);
+std::string measuredText(const nlohmann::ordered_json& measured);
 
 struct RenderOptions {
     Selectors selectors;

@@ -61,16 +61,14 @@ std::vector<const Route*> routesOf(const std::vector<Case>& cases) {
     return needed;
 }
 
-// "auto" stands for the best route of the devices that are there.
+// "auto" stands for the best route of the device.
 Result<void> resolveAuto(Selectors& selectors) {
     std::vector<std::string>& routes = selectors.words["route"];
     if (routes != std::vector<std::string>{"auto"}) return {};
-    std::vector<DeviceCaps> all;
-    for (Api api : graphicsApis())
-        if (auto devices = listDevices(api)) all.insert(all.end(), devices->begin(), devices->end());
-    const Choice choice = chooseRoute(all);
-    routes = {choice.route->name};
-    say(std::string("route ") + choice.route->name + ": " + choice.reason);
+    const auto choice = chooseRouteOf(selectors.device);
+    SKINBENCH_TRY(choice);
+    routes = {choice->route->name};
+    say(std::string("route ") + choice->route->name + ": " + choice->reason);
     return {};
 }
 
@@ -109,16 +107,14 @@ int finishRun(const RunOptions& options, ResultFiles& files, const nlohmann::ord
     return std::max({status, printed, written});
 }
 
-}  // namespace
-
-int runCases(const RunOptions& options) {
+int runOnDevice(const RunOptions& options) {
     Selectors selectors = options.selectors;
     if (auto resolved = resolveAuto(selectors); !resolved) return reportError(resolved.error());
     auto cases = selectedCases(selectors);
     if (!cases) return reportError(cases.error());
     // Wrong settings are told before a device is opened, which takes a second.
     if (auto early = workloadSettings(selectors, false); !early) return reportError(early.error());
-    auto devices = openDevices(routesOf(*cases), {selectors.device, selectors.validation});
+    auto devices = openDevices(routesOf(*cases), selectors.device, selectors.validation);
     if (!devices) return reportError(devices.error());
     auto settings = workloadSettings(selectors, devices->anyHardware);
     auto workload = openWorkload(selectors.scene, *settings);
@@ -138,6 +134,7 @@ int runCases(const RunOptions& options) {
     context.bench = benchSettings(selectors, devices->anyHardware);
     context.bench.timed = options.timed;
     context.verticesInView = 1 - *share;
+    context.warnings = devices->notes;
     if (!outside.empty()) context.warnings.push_back(outside);
     if (options.timed)
         for (const auto& [api, open] : devices->byApi)
@@ -166,6 +163,12 @@ int runCases(const RunOptions& options) {
     auto results = runBench(*workload, *cases, devices->byApi, context.bench, events);
     if (!results) return reportError(results.error());
     return finishRun(options, files, resultsJson(context, *results), *results);
+}
+
+}  // namespace
+
+int runCases(const RunOptions& options) {
+    return options.selectors.device == "all" ? runOnAllDevices(options, runOnDevice) : runOnDevice(options);
 }
 
 }  // namespace skinbench

@@ -22,21 +22,19 @@ Result<void> checkView(const Case& c) {
     return {};
 }
 
-// Those that the words cross, in the order of ids.
-Result<std::vector<Case>> chosenCases(const RenderOptions& options) {
+// Those that the words cross, in the order of ids. The device of route auto stays with the options.
+Result<std::vector<Case>> chosenCases(RenderOptions& options) {
     Case scratch;
     if (!options.view.empty()) SKINBENCH_TRY(findAxis("view")->set(scratch, options.view));
     Selectors selectors = options.selectors;
     AxisWords& words = selectors.words;
     std::string route = options.route;
     if (selectors.caseIds.empty() && route == "auto") {
-        std::vector<DeviceCaps> all;
-        for (Api api : graphicsApis())
-            if (auto devices = listDevices(api)) all.insert(all.end(), devices->begin(), devices->end());
-        const Choice choice = chooseRoute(all);
-        route = choice.route->name;
-        if (words["variant"].empty()) words["variant"] = {choice.variant->name};
-        say(std::string("route ") + choice.route->name + ": " + choice.reason);
+        const auto choice = chooseRouteOf(options.selectors.device);
+        SKINBENCH_TRY(choice);
+        route = choice->route->name;
+        if (words["variant"].empty()) words["variant"] = {choice->variant->name};
+        say(std::string("route ") + choice->route->name + ": " + choice->reason);
     }
     if (selectors.caseIds.empty()) {
         words["route"] = {route};
@@ -69,7 +67,7 @@ Result<Image> render(RenderOptions options) {
     for (const Case& c : *cases) needed.push_back(c.route);
 
     settings->yaw = settings->copies == 1 ? options.yaw : 0;
-    auto devices = openDevices(needed, {options.selectors.device, options.selectors.validation});
+    auto devices = openDevices(needed, options.selectors.device, options.selectors.validation);
     SKINBENCH_TRY(devices);
     auto workload = openWorkload(options.selectors.scene, *settings);
     SKINBENCH_TRY(workload);

@@ -225,7 +225,7 @@ int runReproduce(const ReproduceOptions& options) {
     auto early = plannedRuns(*thesis, selectors);
     if (!early) return reportError(early.error());
     if (auto settings = workloadSettings(selectors, false); !settings) return reportError(settings.error());
-    auto devices = openDevices(routesOf(*early), {selectors.device, selectors.validation});
+    auto devices = openDevices(routesOf(*early), selectors.device, selectors.validation);
     if (!devices) return reportError(devices.error());
     chooseSizes(selectors, devices->anyHardware);
     auto settings = workloadSettings(selectors, devices->anyHardware);

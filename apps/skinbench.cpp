@@ -85,6 +85,8 @@ void addKeepBackFaces(CLI::App& command, AxisWords& words) {
         "--keep-back-faces", [&words] { words["back_faces"] = {"kept"}; }, "the same as --back-faces kept");
 }
 
+constexpr const char* kDeviceHelp = "number, part of the name, UUID or PCI address, as probe shows them";
+
 void addCases(CLI::App& command, std::vector<std::string>& ids) {
     command.add_option("--case", ids, "exactly this case: an id that a table, a result file or a report shows")
         ->allow_extra_args(false);
@@ -136,7 +138,7 @@ void addSelectors(CLI::App& command, Selectors& s) {
     command.add_option("--size", s.size, "WIDTHxHEIGHT of the image")->capture_default_str();
     command.add_option("--preset", s.preset, presetWords() + ": copies, frames and raster modes");
     command.add_option("--seed", s.seed, "of the order of cases")->capture_default_str();
-    command.add_option("--device", s.device, "number or part of the name; see probe");
+    command.add_option("--device", s.device, std::string(kDeviceHelp) + ", or all: one after the other");
     command.add_flag("--validation", s.validation, "validation layers and debug output; a message fails its case");
     command.add_option("--tolerance", s.tolerance, "largest relative position error")
         ->check(kFinite & CLI::PositiveNumber)
@@ -146,7 +148,16 @@ void addSelectors(CLI::App& command, Selectors& s) {
 void addProbe(CLI::App& program, int& status) {
     auto options = std::make_shared<ProbeOptions>();
     CLI::App* command = program.add_subcommand("probe", "what this machine's devices can run, and why not");
-    command->add_option("--device", options->device, "number or part of the name");
+    command->add_option("--device", options->device, kDeviceHelp);
+    command
+        ->add_option_function<std::string>(
+            "--measure",
+            [options](const std::string& scene) {
+                options->measure = true;
+                if (!scene.empty()) options->scene = scene;
+            },
+            "verify and time what auto chooses from, for some seconds, on this scene (default: builtin:biped)")
+        ->expected(0, 1);
     command->add_flag("--json", options->json, "print JSON");
     command->callback([options, &status] { status = runProbe(*options); });
 }
@@ -188,7 +199,7 @@ void addRender(CLI::App& program, int& status) {
     command->add_option("--yaw", options->yaw, "degrees that a single character is turned by")
         ->check(kFinite & CLI::Range(-360.0f, 360.0f))
         ->capture_default_str();
-    command->add_option("--device", s.device, "number or part of the name; see probe");
+    command->add_option("--device", s.device, kDeviceHelp);
     command->add_flag("--validation", s.validation, "validation layers and debug output");
     command->add_option("-o,--output", options->out, "the PNG file")->required();
     command->callback([options, &status] { status = runRender(*options); });
@@ -297,7 +308,7 @@ void addReproduce(CLI::App& program, int& status) {
     command->add_option("--rounds", s.rounds, "rounds that share the frames (default: by device)")
         ->check(CLI::Range(1u, 1'000u));
     command->add_option("--size", s.size, "WIDTHxHEIGHT of the image")->capture_default_str();
-    command->add_option("--device", s.device, "number or part of the name; see probe");
+    command->add_option("--device", s.device, kDeviceHelp);
     command->add_option("--out", options->out, "folder of reproduce.md, reproduce.html and reproduce.json")
         ->capture_default_str();
     command->add_flag("--json", options->json, "print reproduce.json instead of the short table");

@@ -482,25 +482,19 @@ Result<std::vector<std::byte>> GlBackend::readStream(PlanId id, uint32_t slot) {
 }  // namespace
 
 Result<std::vector<DeviceCaps>> listGlDevices() {
-    auto contexts = openContexts(false);
-    SKINBENCH_TRY(contexts);
-    std::vector<DeviceCaps> devices;
-    for (const auto& context : contexts->list) devices.push_back(context->caps);
-    return devices;
+    const Result<GlDevices>& devices = glDevices();
+    SKINBENCH_TRY(devices);
+    return devices->caps;
 }
 
 Result<std::unique_ptr<Backend>> openGl(const BackendOptions& options) {
-    auto contexts = openContexts(options.validation);
-    SKINBENCH_TRY(contexts);
-    if (contexts->list.empty())
-        return deviceError(
-            std::format("OpenGL: no device gives a context ({}); update the graphics driver", contexts->refusal));
-    std::vector<DeviceCaps> devices;
-    for (const auto& context : contexts->list) devices.push_back(context->caps);
-    auto picked = pickDevice(devices, options.device);
-    if (!picked) return errorAt("OpenGL", picked.error());
-    std::unique_ptr<Context> context = std::move(contexts->list[*picked]);
-    contexts->list.clear();
+    const Result<GlDevices>& devices = glDevices();
+    SKINBENCH_TRY(devices);
+    auto number = deviceNumber(devices->caps, options.device);
+    SKINBENCH_TRY(number);
+    auto opened = openContext(devices->displays[*number], options.validation);
+    SKINBENCH_TRY(opened);
+    std::unique_ptr<Context> context = std::move(*opened);
     SKINBENCH_TRY(context->makeCurrent());
     dropGlErrors();
     auto staging = Staging::make();

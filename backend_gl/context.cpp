@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "backend_gl/driver_faults.h"
+#include "common/frame/devices.h"
 
 namespace skinbench {
 
@@ -90,10 +91,22 @@ EGLContext createContext(EGLDisplay display, EGLConfig config, bool debug) {
     return EGL_NO_CONTEXT;
 }
 
-Result<std::unique_ptr<Context>> openContext(EGLDisplay handle, bool debug) {
+struct Attempt {
+    std::unique_ptr<Context> context;  // null: refused
+    Refusal refusal;
+};
+
+// How far a display came: what a later step refuses says more of the machine.
+enum Step { stepInitialise, stepConfigure, stepContext, stepUse };
+
+Attempt tryDisplay(const Display& display, bool debug) {
+    auto refused = [&](Step step, const std::string& reason) {
+        return Attempt{nullptr, {.place = display.place, .step = step, .reason = reason}};
+    };
     EGLint major = 0, minor = 0;
+    const EGLDisplay handle = display.handle;
     if (handle == EGL_NO_DISPLAY || !eglInitialize(handle, &major, &minor))
-        return deviceError(std::format("eglInitialize said {}", eglErrorName(eglGetError())));
+        return refused(stepInitialise, std::format("eglInitialize said {}", eglErrorName(eglGetError())));
     auto context = std::make_unique<Context>();
     context->display = handle;
     gladLoaderLoadEGL(handle);  // again: only a display tells the loader its EGL version
@@ -106,22 +119,24 @@ Result<std::unique_ptr<Context>> openContext(EGLDisplay handle, bool debug) {
                                  surfaceless ? 0 : EGL_PBUFFER_BIT, EGL_NONE};
         EGLint count = 0;
         if (!eglChooseConfig(handle, wanted, &config, 1, &count) || count == 0)
-            return deviceError("EGL has no configuration for desktop OpenGL");
+            return refused(stepConfigure, "EGL has no configuration for desktop OpenGL");
     }
-    if (!eglBindAPI(EGL_OPENGL_API)) return deviceError("EGL offers no desktop OpenGL");
+    if (!eglBindAPI(EGL_OPENGL_API)) return refused(stepConfigure, "EGL offers no desktop OpenGL");
     context->handle = createContext(handle, config, debug);
     if (context->handle == EGL_NO_CONTEXT)
-        return deviceError(std::format("no core profile of version 4.5 or newer ({})", eglErrorName(eglGetError())));
+        return refused(stepContext,
+                       std::format("no core profile of version 4.5 or newer: {}", eglErrorName(eglGetError())));
     if (!surfaceless) {
         const EGLint size[] = {EGL_WIDTH, 1, EGL_HEIGHT, 1, EGL_NONE};
         context->surface = eglCreatePbufferSurface(handle, config, size);
         if (context->surface == EGL_NO_SURFACE)
-            return deviceError("EGL makes neither surfaceless contexts nor pbuffers");
+            return refused(stepUse, "EGL makes neither surfaceless contexts nor pbuffers");
     }
-    SKINBENCH_TRY(context->makeCurrent());
-    if (gladLoadGL(eglGetProcAddress) == 0) return deviceError("the OpenGL functions could not be loaded");
+    if (auto current = context->makeCurrent(); !current) return refused(stepUse, current.error().text);
+    if (gladLoadGL(eglGetProcAddress) == 0) return refused(stepUse, "the OpenGL functions could not be loaded");
 
     context->caps = queryCaps();
+    fillIdentity(handle, context->caps);
     if (context->caps.ext.available)
         context->drawMeshTasksExt = reinterpret_cast<DrawMeshTasksExt>(eglGetProcAddress("glDrawMeshTasksEXT"));
     if (!context->drawMeshTasksExt) context->caps.ext = {};
@@ -133,12 +148,12 @@ Result<std::unique_ptr<Context>> openContext(EGLDisplay handle, bool debug) {
         glEnable(GL_DEBUG_OUTPUT_SYNCHRONOUS);
         glDebugMessageCallback(onDebugMessage, &context->messages);
     }
-    return context;
+    return {std::move(context), {}};
 }
 
 // Displays in the order of preference; a later kind is tried only when no display of an earlier one gave a context.
-std::vector<std::vector<EGLDisplay>> displayKinds(const char* clientExtensions) {
-    std::vector<std::vector<EGLDisplay>> kinds;
+std::vector<std::vector<Display>> displayKinds(const char* clientExtensions) {
+    std::vector<std::vector<Display>> kinds;
     bool platforms = hasWord(clientExtensions, "EGL_EXT_platform_base") && eglGetPlatformDisplayEXT;
     bool devices =
         hasWord(clientExtensions, "EGL_EXT_device_enumeration") || hasWord(clientExtensions, "EGL_EXT_device_base");
@@ -151,13 +166,48 @@ std::vector<std::vector<EGLDisplay>> displayKinds(const char* clientExtensions) 
             found.resize(static_cast<size_t>(count));
         }
         auto& displays = kinds.emplace_back();
-        for (EGLDeviceEXT device : found)
-            displays.push_back(eglGetPlatformDisplayEXT(EGL_PLATFORM_DEVICE_EXT, device, nullptr));
+        for (EGLDeviceEXT device : found) {
+            const std::string file = drmFile(device);
+            displays.push_back({eglGetPlatformDisplayEXT(EGL_PLATFORM_DEVICE_EXT, device, nullptr),
+                                std::format("EGL device {}{}", displays.size(), file.empty() ? "" : ": " + file)});
+        }
     }
     if (platforms && hasWord(clientExtensions, "EGL_MESA_platform_surfaceless"))
-        kinds.push_back({eglGetPlatformDisplayEXT(EGL_PLATFORM_SURFACELESS_MESA, EGL_DEFAULT_DISPLAY, nullptr)});
-    kinds.push_back({eglGetDisplay(EGL_DEFAULT_DISPLAY)});
+        kinds.push_back({{eglGetPlatformDisplayEXT(EGL_PLATFORM_SURFACELESS_MESA, EGL_DEFAULT_DISPLAY, nullptr),
+                          "the surfaceless platform"}});
+    kinds.push_back({{eglGetDisplay(EGL_DEFAULT_DISPLAY), "the default display"}});
     return kinds;
+}
+
+Result<GlDevices> findDevices() {
+#ifndef _WIN32
+    setenv("EGL_LOG_LEVEL", "fatal", 0);  // Mesa reports devices it cannot drive on stderr
+#endif
+    if (!gladLoaderLoadEGL(EGL_NO_DISPLAY))
+        return deviceError(
+            "OpenGL: the EGL library (libEGL.so.1) cannot be loaded; install a graphics driver with EGL, "
+            "such as Mesa's libegl1 or NVIDIA's");
+    GlDevices found;
+    std::vector<Refusal> refusals;
+    for (const auto& displays : displayKinds(eglQueryString(EGL_NO_DISPLAY, EGL_EXTENSIONS))) {
+        for (const Display& display : displays) {
+            Attempt attempt = tryDisplay(display, false);
+            if (!attempt.context) {
+                refusals.push_back(std::move(attempt.refusal));
+                continue;
+            }
+            // A card whose driver is missing falls back to software. Equal names of hardware are equal cards.
+            const DeviceCaps& caps = attempt.context->caps;
+            if (caps.software && std::ranges::find(found.caps, caps.name, &DeviceCaps::name) != found.caps.end())
+                continue;
+            found.displays.push_back(display);
+            found.caps.push_back(caps);
+        }
+        if (!found.caps.empty()) return found;
+    }
+    constexpr std::string_view kWay = "; update or install the graphics driver";
+    constexpr size_t kMost = 340;  // of a message of 400 characters
+    return deviceError(std::format("OpenGL: no device: {}{}", refusalText(std::move(refusals), kMost), kWay));
 }
 
 }  // namespace
@@ -183,32 +233,15 @@ Result<void> Context::makeCurrent() {
     return {};
 }
 
-Result<Contexts> openContexts(bool debug) {
-#ifndef _WIN32
-    setenv("EGL_LOG_LEVEL", "fatal", 0);  // Mesa reports devices it cannot drive on stderr
-#endif
-    if (!gladLoaderLoadEGL(EGL_NO_DISPLAY))
-        return deviceError(
-            "OpenGL: the EGL library (libEGL.so.1) cannot be loaded; install a graphics driver with EGL, "
-            "such as Mesa's libegl1 or NVIDIA's");
-    Contexts contexts;
-    for (const auto& displays : displayKinds(eglQueryString(EGL_NO_DISPLAY, EGL_EXTENSIONS))) {
-        for (EGLDisplay display : displays) {
-            auto context = openContext(display, debug);
-            if (!context) {
-                contexts.refusal = context.error().text;
-                continue;
-            }
-            // A card whose driver is missing falls back to software. Equal names of hardware are equal cards.
-            const DeviceCaps& caps = (*context)->caps;
-            bool known = caps.software && std::ranges::any_of(contexts.list, [&](const auto& other) {
-                             return other->caps.name == caps.name;
-                         });
-            if (!known) contexts.list.push_back(std::move(*context));
-        }
-        if (!contexts.list.empty()) break;
-    }
-    return contexts;
+Result<std::unique_ptr<Context>> openContext(const Display& display, bool debug) {
+    Attempt attempt = tryDisplay(display, debug);
+    if (attempt.context) return std::move(attempt.context);
+    return deviceError(std::format("OpenGL: {} ({})", attempt.refusal.reason, attempt.refusal.place));
+}
+
+const Result<GlDevices>& glDevices() {
+    static const Result<GlDevices> devices = findDevices();
+    return devices;
 }
 
 }  // namespace skinbench

@@ -4,7 +4,9 @@
 #include <glad/egl.h>
 #include <glad/gl.h>
 
+#include <array>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -13,7 +15,7 @@
 
 namespace skinbench {
 
-// One core-profile context of a device. Current on the opening thread when openContexts returns it last.
+// One core-profile context of a device. Current on the thread that opened it last.
 struct Context {
     // Never terminated: on NVIDIA's driver two displays may be one, and terminating one ends the contexts of the other.
     EGLDisplay display = EGL_NO_DISPLAY;
@@ -31,13 +33,32 @@ struct Context {
     Result<void> makeCurrent();
 };
 
-struct Contexts {
-    std::vector<std::unique_ptr<Context>> list;
-    std::string refusal;  // why the last device that gave no context gave none
+struct Display {
+    EGLDisplay handle = EGL_NO_DISPLAY;
+    std::string place;  // for messages: "EGL device 0 (/dev/dri/card0)"
 };
 
-// One context a device. Fails only without EGL itself.
-Result<Contexts> openContexts(bool debug);
+Result<std::unique_ptr<Context>> openContext(const Display& display, bool debug);
+
+// The devices of this process, found once: a context of each was there for a moment. An error without any says what
+// every display answered.
+struct GlDevices {
+    std::vector<Display> displays;
+    std::vector<DeviceCaps> caps;  // as many
+};
+const Result<GlDevices>& glDevices();
+
+// EGL's device of a display, if it has one.
+EGLDeviceEXT eglDeviceOf(EGLDisplay display);
+
+// Of the current context, if it runs on one device alone: equal to what Vulkan calls that device's UUID.
+std::optional<std::array<uint8_t, 16>> contextUuid();
+
+// UUID, PCI address and vendor of the current context's device.
+void fillIdentity(EGLDisplay display, DeviceCaps& caps);
+
+// The file of the device's kernel driver, "/dev/dri/card0"; empty where EGL does not say.
+std::string drmFile(EGLDeviceEXT device);
 
 // Of the current context.
 DeviceCaps queryCaps();

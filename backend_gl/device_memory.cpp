@@ -9,6 +9,8 @@
 
 #include <volk.h>
 
+#include "backend_gl/context.h"
+
 namespace skinbench {
 
 namespace {
@@ -17,16 +19,6 @@ constexpr uint64_t kLeastImported = uint64_t{32} << 20;
 constexpr uint64_t kPage = uint64_t{2} << 20;  // the largest that the GPU maps
 
 using Uuid = std::array<uint8_t, VK_UUID_SIZE>;
-static_assert(VK_UUID_SIZE == GL_UUID_SIZE_EXT);
-
-std::optional<Uuid> uuidOfContext() {
-    GLint count = 0;
-    glGetIntegerv(GL_NUM_DEVICE_UUIDS_EXT, &count);
-    if (count != 1) return std::nullopt;
-    Uuid uuid{};
-    glGetUnsignedBytei_vEXT(GL_DEVICE_UUID_EXT, 0, uuid.data());
-    return uuid;
-}
 
 template <class Function>
 Function load(VkInstance instance, const char* name) {
@@ -120,7 +112,7 @@ namespace {
 std::unique_ptr<VulkanMemory> openVulkanMemory() {
     const auto* vendor = reinterpret_cast<const char*>(glGetString(GL_VENDOR));
     if (!GLAD_GL_EXT_memory_object_fd || !vendor || !std::string_view(vendor).contains("NVIDIA")) return nullptr;
-    const auto uuid = uuidOfContext();
+    const auto uuid = contextUuid();
     auto vulkan = std::make_unique<VulkanMemory>();
     return uuid && vulkan->open(*uuid) ? std::move(vulkan) : nullptr;
 }

@@ -107,15 +107,13 @@ Result<void> createCommands(Device& device) {
     return check(device, device.vk.vkCreateFence(device.handle, &fence, nullptr, &device.fence), "create a fence");
 }
 
-Result<Adapter> chooseAdapter(const Instance& instance, const std::string& wanted) {
+Result<Adapter> chooseAdapter(const Instance& instance, std::optional<size_t> wanted) {
     auto adapters = listAdapters(instance);
     SKINBENCH_TRY(adapters);
-    if (adapters->empty())
-        return deviceError("Vulkan: no device on this machine; install the driver of your GPU, or Mesa's lavapipe");
     std::vector<DeviceCaps> all;
     for (const Adapter& adapter : *adapters) all.push_back(adapter.caps);
-    auto number = pickDevice(all, wanted);
-    if (!number) return deviceError("Vulkan: " + number.error().text);
+    auto number = deviceNumber(all, wanted);
+    SKINBENCH_TRY(number);
     Adapter& adapter = (*adapters)[*number];
     if (adapter.apiVersion < VK_API_VERSION_1_3)
         return deviceError(

@@ -5,6 +5,8 @@
 #include <format>
 #include <map>
 
+#include "common/frame/devices.h"
+
 namespace skinbench::vulkan {
 
 namespace {
@@ -101,6 +103,7 @@ void fillLimits(Adapter& adapter) {
     DeviceCaps& caps = adapter.caps;
     caps.api = Api::vulkan;
     caps.name = p.deviceName;
+    caps.vendor = p.vendorID <= 0xffff ? p.vendorID : 0;  // above: Khronos' numbers for who has none of PCI
     caps.driver = std::to_string(p.driverVersion);
     caps.version = std::format("Vulkan {}.{}.{}", VK_API_VERSION_MAJOR(p.apiVersion),
                                VK_API_VERSION_MINOR(p.apiVersion), VK_API_VERSION_PATCH(p.apiVersion));
@@ -149,8 +152,11 @@ void fillExtended(Adapter& adapter) {
     auto offered = [&](const char* name) { return std::ranges::binary_search(caps.extensions, name); };
     const bool hasExt = offered(VK_EXT_MESH_SHADER_EXTENSION_NAME);
     const bool hasNv = offered(VK_NV_MESH_SHADER_EXTENSION_NAME);
+    const bool hasPci = offered(VK_EXT_PCI_BUS_INFO_EXTENSION_NAME);
 
     VkPhysicalDeviceProperties2 properties{VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_PROPERTIES_2};
+    VkPhysicalDeviceIDProperties identity{VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_ID_PROPERTIES};
+    VkPhysicalDevicePCIBusInfoPropertiesEXT pci{VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_PCI_BUS_INFO_PROPERTIES_EXT};
     VkPhysicalDeviceMaintenance3Properties allocation{VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_MAINTENANCE_3_PROPERTIES};
     VkPhysicalDeviceSubgroupProperties subgroup{VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_SUBGROUP_PROPERTIES};
     VkPhysicalDeviceDriverProperties driver{VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_DRIVER_PROPERTIES};
@@ -163,8 +169,10 @@ void fillExtended(Adapter& adapter) {
     VkPhysicalDeviceMeshShaderFeaturesEXT extFeatures{VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_MESH_SHADER_FEATURES_EXT};
     VkPhysicalDeviceMeshShaderFeaturesNV nvFeatures{VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_MESH_SHADER_FEATURES_NV};
 
+    chain(properties, identity);
     chain(properties, allocation);
     chain(properties, subgroup);
+    if (hasPci) chain(properties, pci);
     if (adapter.apiVersion >= VK_API_VERSION_1_2) chain(properties, driver);
     if (adapter.apiVersion >= VK_API_VERSION_1_3) chain(properties, buffer), chain(properties, subgroupRange);
     if (hasExt) chain(properties, ext), chain(features, extFeatures);
@@ -172,6 +180,8 @@ void fillExtended(Adapter& adapter) {
     vkGetPhysicalDeviceProperties2(adapter.handle, &properties);
     vkGetPhysicalDeviceFeatures2(adapter.handle, &features);
 
+    caps.uuid = uuidText(std::to_array(identity.deviceUUID));
+    if (hasPci) caps.pci = pciText(pci.pciDomain, pci.pciBus, pci.pciDevice, pci.pciFunction);
     caps.subgroupSize = subgroup.subgroupSize;
     const VkSubgroupFeatureFlags wanted =
         VK_SUBGROUP_FEATURE_VOTE_BIT | VK_SUBGROUP_FEATURE_BALLOT_BIT | VK_SUBGROUP_FEATURE_SHUFFLE_BIT;
@@ -277,6 +287,8 @@ Result<std::vector<Adapter>> listAdapters(const Instance& instance) {
     if (result != VK_SUCCESS && result != VK_INCOMPLETE)
         return deviceError(std::string("Vulkan: could not list the devices: ") + resultName(result));
     handles.resize(count);
+    if (handles.empty())
+        return deviceError("Vulkan: no device on this machine; install the driver of your GPU, or Mesa's lavapipe");
     std::vector<Adapter> adapters;
     for (VkPhysicalDevice handle : handles) {
         Adapter& adapter = adapters.emplace_back();

@@ -41,6 +41,7 @@ struct Adapter {
 const char* resultName(VkResult result);
 
 Result<std::unique_ptr<Instance>> openInstance(bool validation);
+// Without a device it is an error.
 Result<std::vector<Adapter>> listAdapters(const Instance& instance);
 
 }  // namespace skinbench::vulkan

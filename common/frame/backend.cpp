@@ -1,8 +1,8 @@
 #include "common/frame/backend.h"
 
 #include <algorithm>
-#include <cctype>
 #include <cstring>
+#include <format>
 
 namespace skinbench {
 
@@ -48,27 +48,13 @@ void copyReplicas(const Stream& stream, uint64_t from, std::span<std::byte> out)
     }
 }
 
-static std::string lower(std::string text) {
-    std::ranges::transform(text, text.begin(), [](unsigned char c) { return std::tolower(c); });
-    return text;
-}
-
-Result<size_t> pickDevice(const std::vector<DeviceCaps>& devices, const std::string& wanted) {
-    if (devices.empty()) return deviceError("no device");
-    if (wanted.empty()) {
-        auto hardware = std::ranges::find(devices, false, &DeviceCaps::software);
-        return hardware == devices.end() ? 0 : static_cast<size_t>(hardware - devices.begin());
-    }
-    if (std::ranges::all_of(wanted, [](unsigned char c) { return std::isdigit(c); }) && wanted.size() < 6) {
-        size_t number = std::stoul(wanted);
-        if (number < devices.size()) return number;
-    }
-    for (size_t i = 0; i < devices.size(); ++i)
-        if (lower(devices[i].name).find(lower(wanted)) != std::string::npos) return i;
-    std::string names;
-    for (size_t i = 0; i < devices.size(); ++i)
-        names += (i ? ", " : "") + std::to_string(i) + " (" + devices[i].name + ")";
-    return deviceError("no device '" + wanted + "'; there is " + names);
+Result<size_t> deviceNumber(const std::vector<DeviceCaps>& devices, std::optional<size_t> number) {
+    if (number && *number >= devices.size())
+        return deviceError(
+            std::format("{}: no device {} among {}", namesOf(devices.front().api).name, *number, devices.size()));
+    if (number) return *number;
+    const auto hardware = std::ranges::find(devices, false, &DeviceCaps::software);
+    return hardware == devices.end() ? 0 : static_cast<size_t>(hardware - devices.begin());
 }
 
 }  // namespace skinbench

@@ -12,7 +12,9 @@
 //  * draw into an RGBA8 (UNORM) colour target and a D32F depth target of the plan's size, with clip space y down and
 //    depth 0..1, so that row 0 of readImage() is the top row; front faces are counter-clockwise as seen on screen;
 //  * refuse a plan, a batch, a slot or an image with the sentence of check_plan.h, before it does anything;
-//  * report what goes wrong as one sentence; never print, throw or exit.
+//  * report what goes wrong as one sentence; never print, throw or exit;
+//  * list the devices that it sees with their identities, and open the one whose number it is given: which one a run
+//    takes is decided in devices.h, for all APIs alike.
 // tests/frame/test_backend_contract.cpp holds every backend to it.
 #pragma once
 
@@ -58,10 +60,15 @@ struct MeshLimitsOfDevice {
     bool taskStages = false;          // a task stage may start the mesh work groups
 };
 
-// Facts only; what follows from them is decided in common/plans/supported.cpp.
+// Facts only; what follows from them is decided in common/plans/supported.cpp and common/frame/devices.cpp.
 struct DeviceCaps {
     Api api = Api::vulkan;
     std::string name;       // "NVIDIA H200"
+    std::string uuid;       // uuidText() of what the API calls the device's UUID; empty: not known
+    std::string pci;        // pciText() of its address; empty: not known, or no PCI device
+    uint32_t vendor = 0;    // of PCI; 0: not known
+    size_t number = 0;      // of the physical device; this and the next are set by capsOf() of devices.h
+    std::string label;      // the name, and what tells it from others of that name
     std::string driver;     // name and version of the driver
     std::string version;    // of the API on this device: "Vulkan 1.4.305", "OpenGL 4.6"
     bool software = false;  // a CPU pretends to be the device: times say nothing about a GPU
@@ -258,8 +265,8 @@ struct Image {
 };
 
 struct BackendOptions {
-    std::string device;       // number or part of the name; empty: the first hardware device, else the first
-    bool validation = false;  // Vulkan validation layers with synchronisation checks, OpenGL debug output
+    std::optional<size_t> device{};  // number in the API's own list; empty: the first hardware device, else the first
+    bool validation = false;         // Vulkan validation layers with synchronisation checks, OpenGL debug output
 };
 
 using PlanId = uint32_t;
@@ -296,8 +303,8 @@ public:
 
 // --- the backends ----------------------------------------------------------------------------------------------
 
-// Every device that the API offers on this machine, with its caps. An API that is missing altogether (no loader, no
-// driver) is an error that says so; an API with no device is an empty list.
+// Every device that the API offers on this machine, with its caps, always in the same order within a process. An API
+// without a device is an error that says why: no loader, no driver, or what each of its devices and displays said.
 Result<std::vector<DeviceCaps>> listVulkanDevices();
 Result<std::vector<DeviceCaps>> listGlDevices();
 
@@ -308,7 +315,7 @@ Result<std::unique_ptr<Backend>> openGl(const BackendOptions& options);
 // The pattern for a new backend.
 std::unique_ptr<Backend> openNull(const DeviceCaps& caps);
 
-// Picks from a list as BackendOptions::device says; the error names what there is.
-Result<size_t> pickDevice(const std::vector<DeviceCaps>& devices, const std::string& wanted);
+// What BackendOptions::device says of a list that is not empty.
+Result<size_t> deviceNumber(const std::vector<DeviceCaps>& devices, std::optional<size_t> number);
 
 }  // namespace skinbench

@@ -4,6 +4,9 @@
 
 #include <array>
 #include <format>
+#include <string_view>
+
+#include "common/frame/devices.h"
 
 namespace skinbench {
 namespace {
@@ -13,6 +16,12 @@ constexpr int kNvmlSuccess = 0;
 constexpr int kClockSm = 1, kClockMemory = 2;
 constexpr int kSensorGpu = 0;
 constexpr int kStates = 16;  // P0 to P15; above: unknown
+
+struct NvmlPci {
+    char shortAddress[16];
+    unsigned domain, bus, device, deviceId, subsystemId;
+    char address[32];
+};
 
 // The few entry points of libnvidia-ml.so.1 that are called; its interface is stable since version 1.
 struct Nvml {
@@ -26,6 +35,8 @@ struct Nvml {
     int (*temperature)(NvmlDevice, int, unsigned*) = nullptr;
     int (*power)(NvmlDevice, unsigned*) = nullptr;
     int (*state)(NvmlDevice, int*) = nullptr;
+    int (*uuid)(NvmlDevice, char*, unsigned) = nullptr;  // this and the next may be missing
+    int (*pci)(NvmlDevice, NvmlPci*) = nullptr;
 };
 
 template <class Function>
@@ -48,6 +59,8 @@ const Nvml& nvml() {
                            find(library, "nvmlDeviceGetTemperature", n.temperature) &&
                            find(library, "nvmlDeviceGetPowerUsage", n.power) &&
                            find(library, "nvmlDeviceGetPerformanceState", n.state);
+        find(library, "nvmlDeviceGetUUID", n.uuid);
+        find(library, "nvmlDeviceGetPciInfo_v3", n.pci);
         if (whole) n.library = library;
         return n;
     }();
@@ -58,6 +71,11 @@ DeviceState stateOf(const Nvml& n, NvmlDevice device) {
     DeviceState state;
     std::array<char, 96> name{};
     if (n.name(device, name.data(), static_cast<unsigned>(name.size())) == kNvmlSuccess) state.device = name.data();
+    std::array<char, 96> uuid{};
+    if (n.uuid && n.uuid(device, uuid.data(), static_cast<unsigned>(uuid.size())) == kNvmlSuccess)
+        if (std::string_view(uuid.data()).starts_with("GPU-")) state.uuid = uuid.data() + 4;
+    NvmlPci pci{};
+    if (n.pci && n.pci(device, &pci) == kNvmlSuccess) state.pci = pciText(pci.domain, pci.bus, pci.device, 0);
     unsigned value = 0;
     if (n.clock(device, kClockSm, &value) == kNvmlSuccess) state.smClockMhz = value;
     if (n.clock(device, kClockMemory, &value) == kNvmlSuccess) state.memoryClockMhz = value;

@@ -10,6 +10,8 @@ namespace skinbench {
 // Empty where the driver does not tell.
 struct DeviceState {
     std::string device;
+    std::string uuid;  // as DeviceCaps::uuid
+    std::string pci;   // as DeviceCaps::pci
     std::optional<double> smClockMhz;
     std::optional<double> memoryClockMhz;
     std::optional<double> temperatureC;

@@ -66,11 +66,16 @@ std::string shown(const Json& value) {
     return terminalText(value.is_string() ? value.get<std::string>() : dumpJson(value, -1), kLongestMessage);
 }
 
-std::string devicesText(const Json& results) {
+std::string devicesText(const Json& results, bool withUuids) {
     std::string text;
-    for (const Json& device : results["devices"])
-        text += std::format("{}{}: {}, {}{}", text.empty() ? "" : "; ", shown(device["route_api"]),
-                            shown(device["name"]), shown(device["driver"]), device["software"] ? " (software)" : "");
+    for (const Json& device : results["devices"]) {
+        text +=
+            std::format("{}{}: {}, {}{}", text.empty() ? "" : "; ", shown(device["route_api"]),
+                        shown(deviceLabel(device)), shown(device["driver"]), device["software"] ? " (software)" : "");
+        const auto uuid = device.find("uuid");
+        if (withUuids && !device["software"] && uuid != device.end() && uuid->is_string())
+            text += ", UUID " + shown(*uuid);
+    }
     return text.empty() ? "none" : text;
 }
 
@@ -79,7 +84,9 @@ std::vector<std::string> differencesOf(const Json& a, const Json& b) {
     auto differ = [&](const std::string& what, const std::string& before, const std::string& after) {
         if (before != after) differences.push_back(std::format("{}: {} in A, {} in B", what, before, after));
     };
-    differ("devices", devicesText(a), devicesText(b));
+    // Cards of one name are told apart by their UUIDs.
+    const bool alike = devicesText(a, false) == devicesText(b, false);
+    differ("devices", devicesText(a, alike), devicesText(b, alike));
     for (const char* group : {"scene", "settings", "host", "tool"}) {
         for (const auto& [key, value] : a[group].items())
             differ(std::string(group) + " " + terminalText(key, kLongestMessage), shown(value),

@@ -60,9 +60,15 @@ static Json meshLimitsJson(const MeshLimitsOfDevice& limits) {
             {"preferred_group_size", limits.preferredGroupSize}};
 }
 
+static Json wordOrNull(const std::string& word) { return word.empty() ? Json(nullptr) : Json(word); }
+
 Json capsJson(const DeviceCaps& caps) {
     return {{"route_api", namesOf(caps.api).key},
+            {"number", caps.number},
             {"name", caps.name},
+            {"label", caps.label.empty() ? caps.name : caps.label},
+            {"uuid", wordOrNull(caps.uuid)},
+            {"pci", wordOrNull(caps.pci)},
             {"driver", caps.driver},
             {"software", caps.software},
             {"timestamp_period_ns", caps.timestampPeriodNs},
@@ -84,6 +90,11 @@ Json capsJson(const DeviceCaps& caps) {
             {"last_mesh_output_lost", caps.lastMeshOutputLost},
             {"mesh_depth_differs", caps.meshDepthDiffers},
             {"primitive_cull_ignored", caps.primitiveCullIgnored}};
+}
+
+std::string deviceLabel(const Json& device) {
+    const auto label = device.find("label");
+    return (label != device.end() && label->is_string() ? *label : device["name"]).get<std::string>();
 }
 
 // Keys of the case itself, or of its `options`; the latter hold what means something to the case, as words.
@@ -178,11 +189,13 @@ static Json statesJson(const std::vector<DeviceState>& states) {
     Json list = Json::array();
     for (const DeviceState& state : states)
         list.push_back({{"device", state.device},
+                        {"uuid", wordOrNull(state.uuid)},
+                        {"pci", wordOrNull(state.pci)},
                         {"sm_clock_mhz", number(state.smClockMhz)},
                         {"memory_clock_mhz", number(state.memoryClockMhz)},
                         {"temperature_c", number(state.temperatureC)},
                         {"power_w", number(state.powerW)},
-                        {"power_state", state.powerState.empty() ? Json(nullptr) : Json(state.powerState)}});
+                        {"power_state", wordOrNull(state.powerState)}});
     return list;
 }
 
@@ -237,6 +250,13 @@ static Json selfTestJson(const std::vector<CaseResult>& results) {
     return rows;
 }
 
+// Whether a state is surely of a device that the run did not use.
+static bool isOtherDevice(const RunContext& context, const DeviceState& state) {
+    return !state.uuid.empty() && std::ranges::all_of(context.devices, [&](const DeviceCaps& caps) {
+        return caps.software || (!caps.uuid.empty() && caps.uuid != state.uuid);
+    });
+}
+
 constexpr double kMovedClock = 0.02, kDrift = 0.01, kUnlikely = 0.01;
 
 std::vector<std::string> figureWarnings(const RunContext& context, const std::vector<CaseResult>& results) {
@@ -247,6 +267,7 @@ std::vector<std::string> figureWarnings(const RunContext& context, const std::ve
         const auto &before = context.deviceStates.front(), &after = context.deviceStates.back();
         for (size_t i = 0; i < std::min(before.size(), after.size()); ++i) {
             const auto &from = before[i].smClockMhz, &to = after[i].smClockMhz;
+            if (isOtherDevice(context, before[i])) continue;
             if (from && to && std::abs(*to - *from) > kMovedClock * *from)
                 warnings.push_back(std::format("the clock of {} moved from {:.0f} to {:.0f} MHz while cases were timed",
                                                before[i].device, *from, *to));
@@ -323,8 +344,10 @@ static void addMissing(Json& to, const Json& from) {
 }
 
 void completeResults(Json& results) {
-    for (Json& device : results["devices"])
+    for (Json& device : results["devices"]) {
         if (device["route_api"].is_string()) addMissing(device, {{"routes", routesOf(device["route_api"])}});
+        addMissing(device, {{"label", device["name"]}, {"uuid", nullptr}, {"pci", nullptr}});
+    }
     if (results.contains("axes")) return;
     results["axes"] = axesJson();
     for (Json& row : results["cases"]) {

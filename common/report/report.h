@@ -62,8 +62,11 @@ nlohmann::ordered_json routeTableJson();
 
 nlohmann::ordered_json capsJson(const DeviceCaps& caps);
 
+// What a device of a result file is called among others of its machine: its label, in older files its name.
+std::string deviceLabel(const nlohmann::ordered_json& device);
+
 // Adds to a file of an older version what every reader expects of one: the table of axes, every axis of a case, the
-// routes of the devices. All follow from today's tables and the ids of the cases.
+// routes and labels of the devices. All follow from today's tables and the ids of the cases.
 void completeResults(nlohmann::ordered_json& results);
 
 // One line a case, the columns named in the first line: every axis and every column that is no list; quoted as RFC 4180

@@ -51,17 +51,22 @@ const std::vector<Group>& groups() {
 }
 
 const std::vector<Group>& lists() {
-    static const std::vector<Group> rows = {
-        {"devices",
-         {{"route_api", Kind::text}, {"name", Kind::text}, {"driver", Kind::text}, {"software", Kind::flag}}},
-        {"cases",
-         {{"id", Kind::text},
-          {"route", Kind::text},
-          {"variant", Kind::text},
-          {"status", Kind::text},
-          {"reason", Kind::text, true, true},
-          {"raster", Kind::text},
-          {"limit_ms", Kind::number, false, true}}}};
+    static const std::vector<Group> rows = {{"devices",
+                                             {{"route_api", Kind::text},
+                                              {"name", Kind::text},
+                                              {"driver", Kind::text},
+                                              {"software", Kind::flag},
+                                              {"label", Kind::text, false},
+                                              {"uuid", Kind::text, false, true},
+                                              {"pci", Kind::text, false, true}}},
+                                            {"cases",
+                                             {{"id", Kind::text},
+                                              {"route", Kind::text},
+                                              {"variant", Kind::text},
+                                              {"status", Kind::text},
+                                              {"reason", Kind::text, true, true},
+                                              {"raster", Kind::text},
+                                              {"limit_ms", Kind::number, false, true}}}};
     return rows;
 }
 

@@ -4,6 +4,7 @@
 #include "common/core/text.h"
 #include "common/core/version.h"
 #include "common/plans/case.h"
+#include "common/report/report.h"
 #include "common/theses/reproduce_parts.h"
 
 namespace skinbench {
@@ -55,7 +56,7 @@ std::vector<std::string> contextLines(const Reproduction& all, const std::vector
     const Json& results = runs.front()->results;
     for (const Json& device : results["devices"])
         lines.push_back(std::format("{}: {}, {}{}.", apiName(device["route_api"].get<std::string>()),
-                                    device["name"].get<std::string>(), device["driver"].get<std::string>(),
+                                    deviceLabel(device), device["driver"].get<std::string>(),
                                     device.value("software", false)
                                         ? " - software driver: shows that the path works, not how fast a GPU is"
                                         : ""));

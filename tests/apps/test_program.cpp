@@ -1,4 +1,5 @@
 // The program as a user calls it: exit statuses, what goes to which stream, files.
+#include <format>
 #include <functional>
 #include <limits>
 
@@ -356,6 +357,7 @@ TEST_CASE("what the machine cannot do has status 1") {
         {{"verify", "builtin:robot:2000", "--routes", "vk", "--device", "voodoo"}, 1, "voodoo"},
         {{"verify", "builtin:robot:2000", "--routes", "vk,gl", "--device", "77"}, 1, "77"},
         {{"probe", "--device", "voodoo"}, 1, "voodoo"},
+        {{"probe", "--device", "256"}, 1, "no device '256'"},
         {{"reproduce", "torabi", "--device", "voodoo"}, 1, "voodoo"},
         {{"render", "builtin:robot:2000", "--route", "vk", "--device", "voodoo", "-o", "v.png"}, 1, "voodoo"},
     });
@@ -472,9 +474,80 @@ TEST_CASE("probe tells what there is and what auto takes") {
     CHECK(found["auto"]["variant"].is_string());
     for (const json& device : found["devices"])
         CHECK(device["routes"].size() == 11);  // 5 variants without mesh shaders, 3 on each mesh route
+    CHECK(found["auto"]["rule"].size() == 8);
+    CHECK(found["measured"].is_null());
     const Outcome text = call({"probe"});
     CHECK(text.status == 0);
-    CHECK_THAT(text.out, ContainsSubstring("auto: " + found["auto"]["route"].get<std::string>()));
+    CHECK_THAT(text.out, ContainsSubstring("auto: " + found["auto"]["route"].get<std::string>()) &&
+                             ContainsSubstring("rule of auto: the first that runs of vk-ext/mesh, vk-nv/mesh"));
+    for (const json& device : found["devices"])
+        CHECK_THAT(text.out, ContainsSubstring(std::format("{}: {}", device["number"].get<size_t>(),
+                                                           device["name"].get<std::string>())));
+}
+
+TEST_CASE("probe measures what auto chooses from") {
+    if (json::parse(call({"probe", "--json"}).out, nullptr, false)["auto"]["route"] == "cpu") SKIP("no driver");
+    const Outcome probe = call({"probe", "--measure", "builtin:robot:2000", "--json"});
+    INFO(probe.err);
+    CHECK(probe.status == 0);
+    const json measured = json::parse(probe.out, nullptr, false)["measured"];
+    REQUIRE(measured.is_object());
+    REQUIRE(measured["cases"].size() > 1);
+    CHECK(measured["fastest"] == measured["cases"][0]["id"]);
+    CHECK(measured["rule"].is_string());
+    double last = 0;
+    for (const json& row : measured["cases"]) {
+        INFO(row["id"]);
+        REQUIRE(row["median_ms"].is_number());
+        CHECK(row["median_ms"] >= last);
+        last = row["median_ms"];
+    }
+    checkRefused(call({"probe", "--measure", "none.glb"}), 2, "none.glb");
+}
+
+TEST_CASE("two devices of one name are told apart, and each has a folder of its own") {
+    checkRefused(call({"verify", "builtin:robot:2000", "--device", "all", "--json"}), 2, "--device all");
+    // A second file for one driver is a second device to the loader, with the UUID of the first.
+    std::string driver;
+    for (const char* file : {"/usr/share/vulkan/icd.d/lvp_icd.json", "/usr/share/vulkan/icd.d/lvp_icd.x86_64.json"})
+        if (fs::exists(file)) driver = file;
+    if (driver.empty()) SKIP("no lavapipe");
+    const std::string second = fixture::writeText("lvp_again.json", readWholeFile(driver).value());
+    const Words twice = {"VK_DRIVER_FILES=" + driver + ":" + second, "VK_ADD_DRIVER_FILES=", "VK_ICD_FILENAMES="};
+    const Words small = {"verify", "builtin:robot:2000", "--routes", "vk",     "--variants",
+                         "vertex", "--copies",           "1",        "--size", "64x64"};
+    auto with = [&](const Words& more) {
+        Words words = small;
+        words.insert(words.end(), more.begin(), more.end());
+        return words;
+    };
+    checkRefused(call(with({"--device", "llvm"}), twice), 1, "'llvm' fits ");
+    const Outcome all = call(with({"--device", "all", "--out", "each"}), twice);
+    INFO(all.err);
+    CHECK(all.status == 0);
+    for (const char* number : {"0", "1"}) {
+        const std::string folder = pathOf(std::string("each/") + number + "-llvmpipe");
+        const auto text = readWholeFile(folder + "/results.json");
+        REQUIRE(text);
+        const json device = json::parse(*text, nullptr, false)["devices"][0];
+        CHECK(device["number"] == std::stoi(number));
+        CHECK(device["uuid"].is_null());
+        const auto csv = readWholeFile(folder + "/results.csv");
+        REQUIRE(csv);
+        CHECK_THAT(*csv, ContainsSubstring(std::string("(device ") + number + ")"));
+    }
+    CHECK(fs::exists(pathOf("each/report.html")));
+}
+
+TEST_CASE("OpenGL's reason is what the display said that came farthest") {
+    const Words old = {"MESA_GL_VERSION_OVERRIDE=3.3", "LIBGL_ALWAYS_SOFTWARE=1"};
+    const json found = json::parse(call({"probe", "--json"}, old).out, nullptr, false);
+    REQUIRE(found.is_object());
+    if (found["missing"].empty()) SKIP("a driver that the variable does not bind");
+    const std::string reason = found["missing"].back();
+    if (!reason.starts_with("OpenGL: no device")) SKIP("no EGL");
+    CHECK_THAT(reason, ContainsSubstring("OpenGL: no device: no core profile of version 4.5 or newer"));
+    CHECK(reason.size() <= 400);
 }
 
 TEST_CASE("shaders that are not there") {

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <format>
 
+#include "common/frame/devices.h"
 #include "tests/frame/subject.h"
 
 using namespace skinbench;
@@ -472,7 +473,7 @@ TEST_CASE("backends: a plan for which there is no memory leaves nothing behind")
     CHECK(onlyUpperHalf(must(subject.backend->readImage(before)), kRed));
 }
 
-TEST_CASE("backends: a device is asked for by a part of its name, and the error names what there is") {
+TEST_CASE("backends: a device is opened by its number in the list") {
     Subject subject(Needs::images);
     const bool vulkan = subject.api() == Api::vulkan;
     const auto devices = must(vulkan ? listVulkanDevices() : listGlDevices());
@@ -482,12 +483,15 @@ TEST_CASE("backends: a device is asked for by a part of its name, and the error 
         CAPTURE(caps.name);
         CHECK(caps.api == subject.api());
         CHECK_FALSE((caps.name.empty() || caps.driver.empty() || caps.version.empty()));
+        CHECK((caps.uuid.empty() || caps.uuid.size() == 36));
+        CHECK(caps.pci == pciText(caps.pci));
         CHECK((caps.timestampPeriodNs > 0) == (caps.timestampBits > 0));
         CHECK(std::ranges::is_sorted(caps.extensions));
     }
     auto open = vulkan ? openVulkan : openGl;
-    auto none = open({.device = "no such device"});
+    CHECK(must(open({.device = 0}))->caps().name == devices.front().name);
+    const auto none = open({.device = devices.size()});
     REQUIRE_FALSE(none);
     CHECK(none.error().fault == Fault::device);
-    CHECK_THAT(none.error().text, ContainsSubstring("no such device") && ContainsSubstring(name));
+    CHECK_THAT(none.error().text, ContainsSubstring(std::format("no device {}", devices.size())));
 }

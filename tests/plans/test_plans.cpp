@@ -467,25 +467,3 @@ TEST_CASE("the null backend runs every plan of every case") {
         }
     CHECK(ran > 50);
 }
-
-TEST_CASE("a device is picked by number, by part of its name, or hardware first") {
-    std::vector<DeviceCaps> devices(3, generousCaps(Api::vulkan));
-    devices[0].name = "llvmpipe (LLVM)";
-    devices[0].software = true;
-    devices[1].name = "NVIDIA H200";
-    devices[2].name = "AMD Radeon";
-    CHECK(pickDevice(devices, "") == 1u);
-    CHECK(pickDevice(devices, "0") == 0u);
-    CHECK(pickDevice(devices, "2") == 2u);
-    CHECK(pickDevice(devices, "radeon") == 2u);
-    CHECK(pickDevice(devices, "LLVM") == 0u);
-    CHECK(pickDevice(devices, "200") == 1u);
-    const auto none = pickDevice(devices, "voodoo");
-    REQUIRE(!none);
-    CHECK(none.error().fault == Fault::device);
-    CHECK(none.error().text == "no device 'voodoo'; there is 0 (llvmpipe (LLVM)), 1 (NVIDIA H200), 2 (AMD Radeon)");
-    CHECK(!pickDevice(devices, "3"));
-    CHECK(!pickDevice({}, ""));
-    devices.resize(1);
-    CHECK(pickDevice(devices, "") == 0u);
-}

@@ -341,6 +341,15 @@ def main():
               "times of software drivers are marked")
         check("not how fast a GPU is" in browser.value("document.querySelector('header').textContent"), "and explained")
 
+        cards = [results(), results()]
+        for digit, file in zip("12", cards):
+            for device in file["devices"]:
+                device["uuid"] = digit * 8 + "-0000-0000-0000-000000000000"
+        browser.open(make(skinbench, folder, "cards", cards))
+        check(browser.value("document.querySelector('h1').textContent") == "hero <b> on 2 devices",
+              "two cards of one name are two devices")
+        check("Card <1> (UUID 22222222…)" in browser.value("document.body.textContent"), "and named apart")
+
         browser.open(make(skinbench, folder, "damaged", [damaged()]))
         check(browser.complaints() == [], f"damaged values are no error: {browser.complaints()}")
         check(browser.value(ROWS + ".length") == 16, "nor do they lose cases")

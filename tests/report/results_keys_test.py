@@ -110,7 +110,7 @@ assert not unknown and not missing, f"no rows of axes: {unknown}; no keys of a c
 
 with open("cases/results.csv") as file:
     header = next(csv.reader(file))
-columns = ["scene", "id", *axes, *columns_of({path for path in results if path.startswith("cases[].")}, axes)]
+columns = ["scene", "device", "id", *axes, *columns_of({path for path in results if path.startswith("cases[].")}, axes)]
 assert sorted(header) == sorted(columns), f"results.csv: {set(header) ^ set(columns)}"
 
 of_device = {path: null for path, null in results.items()

@@ -394,6 +394,28 @@ TEST_CASE("pairs of two files, and pairs that cannot be") {
     refused({"codec"}, "no two cases are equal but for codec");
 }
 
+TEST_CASE("two cards of one name differ") {
+    Json a = file({timed("x", spread(10, 0.01, 20))});
+    Json b = a;
+    a["devices"][0]["uuid"] = "1111";
+    b["devices"][0]["uuid"] = "2222";
+    const auto other = compareResults(a, b);
+    REQUIRE(other);
+    CHECK(other->differences ==
+          std::vector<std::string>{"devices: vulkan: Card, 1, UUID 1111 in A, vulkan: Card, 1, UUID 2222 in B"});
+    a["devices"][0]["label"] = "Card (0000:01:00.0)";
+    b["devices"][0]["label"] = "Card (0000:02:00.0)";
+    const auto labelled = compareResults(a, b);
+    REQUIRE(labelled);
+    CHECK(
+        labelled->differences ==
+        std::vector<std::string>{"devices: vulkan: Card (0000:01:00.0), 1 in A, vulkan: Card (0000:02:00.0), 1 in B"});
+    // A software driver's UUID is that of its version.
+    a["devices"][0]["software"] = b["devices"][0]["software"] = true;
+    b["devices"][0]["label"] = a["devices"][0]["label"];
+    CHECK(compareResults(a, b)->differences.empty());
+}
+
 TEST_CASE("software drivers are marked in a comparison") {
     Json a = file({timed("x", spread(10, 0.01, 20))});
     const Json b = a;

@@ -148,8 +148,10 @@ TEST_CASE("the result file has the keys of its schema") {
     CHECK(keysOf(json["settings"]) == settings);
     REQUIRE(json["devices"].size() == 2);
     const Keys device = keysOf(json["devices"][0]);
-    CHECK(Keys(device.begin(), device.begin() + 5) ==
-          Keys{"route_api", "name", "driver", "software", "timestamp_period_ns"});
+    CHECK(Keys(device.begin(), device.begin() + 7) ==
+          Keys{"route_api", "number", "name", "label", "uuid", "pci", "driver"});
+    CHECK(json["devices"][0]["uuid"].is_null());
+    CHECK(json["devices"][0]["label"] == "Lava <pipe> & co");
     for (const Json& row : json["cases"]) {
         const Keys wanted = {"id",       "route",     "variant",         "codec",        "builder",  "layout",
                              "cull",     "scenario",  "raster",          "options",      "status",   "reason",
@@ -250,6 +252,10 @@ TEST_CASE("warnings: clocks that moved, a build that is no release, rounds that 
     context.deviceStates[1][0].smClockMhz = 1900;
     REQUIRE(figureWarnings(context, none).size() == 1);
     CHECK_THAT(figureWarnings(context, none)[0], ContainsSubstring("from 2000 to 1900 MHz"));
+    // The clock of a card that the run did not use.
+    context.devices[1].uuid = "a";
+    context.deviceStates[0][0].uuid = "b";
+    CHECK(figureWarnings(context, none).empty());
     context.deviceStates.clear();
     context.buildType = "Debug";
     REQUIRE(figureWarnings(context, none).size() == 1);
@@ -353,6 +359,7 @@ TEST_CASE("CSV: a line a case, quoted as RFC 4180 says") {
     CHECK(head[0] == "scene");
     CHECK(at(1, "scene") == "hero, \"the\" <b>&amp;");
     CHECK(at(1, "id") == "vk-ext/mesh/uc/scan/redirect");
+    CHECK(at(1, "device") == "Lava <pipe> & co");
     CHECK(at(1, "gpu_ms_median") == "3.0");
     CHECK(at(1, "gpu_ms_interval_low") == "1.5");
     CHECK(at(1, "gpu_ms_interval_high") == "6.5");
@@ -405,7 +412,8 @@ TEST_CASE("a file of an older version is completed when it is read") {
     const Json json = sample();
     Json older = json;
     older.erase("axes");
-    for (Json& device : older["devices"]) device.erase("routes");
+    for (Json& device : older["devices"])
+        for (const char* key : {"routes", "label", "uuid"}) device.erase(key);
     for (Json& row : older["cases"]) {
         row.erase("scenario");
         row["options"].erase("meshlet_limits");
@@ -417,6 +425,8 @@ TEST_CASE("a file of an older version is completed when it is read") {
     CHECK((*loaded)["axes"] == json["axes"]);
     CHECK((*loaded)["devices"][0]["routes"] == Json{"vk", "vk-ext", "vk-nv"});
     CHECK((*loaded)["devices"][1]["routes"] == json["devices"][1]["routes"]);
+    CHECK((*loaded)["devices"][1]["label"] == "Real GPU");
+    CHECK((*loaded)["devices"][1]["uuid"].is_null());
     for (size_t i : {0, 2, 3, 4}) {
         CHECK(nlohmann::json((*loaded)["cases"][i]["options"]) == nlohmann::json(json["cases"][i]["options"]));
         CHECK((*loaded)["cases"][i]["scenario"] == json["cases"][i]["scenario"]);

@@ -55,8 +55,8 @@ function contextOf(file) {
     const pairs = (value) => Object.entries(value).map(([name, entry]) => [name, valueText(entry)]);
     const devices = list(file.raw.devices).map((raw, i) => {
         const {peak, route_api: api, ...rest} = object(raw);
-        const shown = ["name", "driver", "version", "software", "timestamp_period_ns", "subgroup_size"]
-            .filter((name) => name in rest)
+        const shown = ["label", "uuid", "pci", "driver", "version", "software", "timestamp_period_ns", "subgroup_size"]
+            .filter((name) => name in rest && rest[name] !== null)
             .map((name) => [name, valueText(rest[name])]);
         const {copy_bytes_per_s: copy, triangles_per_s: triangles} = file.devices[i].peak;
         if (copy) shown.push(["peak copy, GB/s", (copy / 1e9).toFixed(1) + (file.devices[i].software ? "*" : "")]);
@@ -84,7 +84,7 @@ function contextOf(file) {
             .map(object)
             .map((e) => [
                 when,
-                text(e.device),
+                text(e.device) + (e.pci ? ` (${text(e.pci)})` : ""),
                 ...["sm_clock_mhz", "memory_clock_mhz", "temperature_c", "power_w"].map((name) => valueText(e[name])),
                 valueText(e.power_state),
             ]),

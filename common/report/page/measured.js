@@ -291,7 +291,10 @@ function filesChart() {
 // Every setting, device and fact of the scene that is not the same in all files, with its values.
 function differencesTable() {
     const facts = (file) => {
-        const devices = file.devices.map((device) => `${apiName(device.api)}: ${device.name}, ${device.driver}`);
+        const devices = file.devices.map(
+            (device) =>
+                `${apiName(device.api)}: ${device.name}, ${device.driver}${device.uuid ? `, UUID ${device.uuid}` : ""}`,
+        );
         const groups = {scene: file.scene, settings: file.settings, host: file.host, tool: file.tool};
         return new Map([
             ["devices", devices.join("; ") || "none"],

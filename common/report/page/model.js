@@ -147,7 +147,8 @@ function readFile(element) {
             .map(object)
             .map((device) => ({
                 api: text(device.route_api),
-                name: text(device.name),
+                name: text(device.label) || text(device.name),
+                uuid: device.software === true ? "" : text(device.uuid),
                 driver: text(device.driver),
                 version: text(device.version),
                 software: device.software === true,
@@ -162,8 +163,19 @@ function readFile(element) {
     return file;
 }
 
+// Cards of one name in two machines get the beginning of their UUIDs.
+function tellDevicesApart(files) {
+    const uuidOf = (file) => file.devices.map((device) => device.uuid).find((uuid) => uuid) || "";
+    const plain = files.map((file) => file.device);
+    files.forEach((file, i) => {
+        const others = files.filter((other, k) => plain[k] === plain[i] && uuidOf(other) && uuidOf(other) !== uuidOf(file));
+        if (others.length && uuidOf(file)) file.device += ` (UUID ${uuidOf(file).slice(0, 8)}…)`;
+    });
+}
+
 function readFiles() {
     const files = [...document.querySelectorAll("script.results")].map(readFile);
+    tellDevicesApart(files);
     files.forEach((file, index) => {
         file.number = index + 1;
         const shownName = (other) => other.name || other.sceneName;
