@@ -13,7 +13,7 @@ using Json = nlohmann::ordered_json;
 
 namespace {
 
-constexpr size_t kLeastWidth = 60, kMostWidth = 100;  // columns of a terminal
+constexpr size_t kLeastWidth = 80, kMostWidth = 100;  // columns of a terminal
 constexpr size_t kNeededColumns = 3;                  // of the table, where it gets narrow: median, ± %, of baseline
 
 struct Table {
