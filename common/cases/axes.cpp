@@ -286,6 +286,7 @@ void addSkinning(std::vector<Axis>& rows) {
                                     {{"lbs", Method::lbs}, {"dqs", Method::dqs, "dqs"}},
                                     [](Case& c) -> Method& { return c.method; }));
     rows.back().changesPicture = true;
+    rows.back().changesWork = true;
     rows.push_back(wordAxis<RowFormat>({.name = "palette_rows",
                                         .option = {.help = ": floats or half floats"},
                                         .applies = skinsOnDevice,
