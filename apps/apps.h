@@ -160,13 +160,18 @@ struct RunOptions {
     Selectors selectors;
     bool timed = true;
     bool json = false;
-    std::string out;  // folder of results.json, results.csv and report.html; empty: none
+    bool list = false;                // the cases alone
+    std::string baseline = "vertex";  // RunContext::baseline
+    std::string command;              // RunContext::command
+    std::string out;                  // folder of results.json, results.csv and report.html; empty: none
 };
 int runCases(const RunOptions& options);  // bench and verify
 
 // The run on every device (allDevices) one after the other, each with a folder of its own in --out, and a page of all.
 // A device that fails ends no other's.
 int runOnAllDevices(const RunOptions& options, int (*runOn)(const RunOptions& options));
+// Prints the cases, each with why it would be skipped as far as the caps of the devices say. No shader is compiled.
+int listCases(const RunOptions& options, const std::vector<Case>& cases, const std::vector<Unused>& unused);
 
 struct ProbeOptions {
     std::string device;

@@ -6,7 +6,7 @@
 
 #include <nlohmann/json.hpp>
 
-#include "apps/apps.h"
+#include "apps/selectors.h"
 #include "common/core/file.h"
 #include "common/core/text.h"
 #include "common/measure/peaks.h"
@@ -72,6 +72,21 @@ Result<void> resolveAuto(Selectors& selectors) {
     return {};
 }
 
+// The name of a variant, or the id of a case that is selected.
+Result<std::string> baselineOf(const RunOptions& options, const std::vector<Case>& cases) {
+    const std::string& word = options.baseline;
+    if (findVariant(word)) return word;
+    if (!word.contains('/'))
+        return inputError(std::format("--baseline '{}' is neither a variant ({}) nor the id of a case", word,
+                                      tableNames(variants())));
+    auto parsed = parseCaseId(word);
+    SKINBENCH_TRY(parsed);
+    const std::string id = caseId(*parsed);
+    if (std::ranges::find(cases, id, caseId) == cases.end())
+        return inputError("--baseline " + id + " is not among the cases of this run; --list shows them");
+    return id;
+}
+
 // Pairs of the self-test that differ beyond their intervals.
 int selfTestStatus(const nlohmann::ordered_json& json) {
     if (!json["self_test"].is_array()) return kExitDone;
@@ -88,7 +103,7 @@ int selfTestStatus(const nlohmann::ordered_json& json) {
 int finishRun(const RunOptions& options, ResultFiles& files, const nlohmann::ordered_json& json,
               const std::vector<CaseResult>& results) {
     const std::string text = dumpJson(json) + "\n";
-    std::cout << (options.json ? text : resultsTable(json));
+    std::cout << (options.json ? text : resultsTable(json, terminalWidth()));
     const int printed = flushOutput();
     const bool own = isWorthAFile(files, results);
     int written = kExitDone;
@@ -112,8 +127,12 @@ int runOnDevice(const RunOptions& options) {
     if (auto resolved = resolveAuto(selectors); !resolved) return reportError(resolved.error());
     auto cases = selectedCases(selectors);
     if (!cases) return reportError(cases.error());
+    const auto baseline = baselineOf(options, *cases);
+    if (!baseline) return reportError(baseline.error());
+    const auto unused = selectors.caseIds.empty() ? unusedWords(selectors.words, *cases) : std::vector<Unused>();
     // Wrong settings are told before a device is opened, which takes a second.
     if (auto early = workloadSettings(selectors, false); !early) return reportError(early.error());
+    if (options.list) return listCases(options, *cases, unused);
     auto devices = openDevices(routesOf(*cases), selectors.device, selectors.validation);
     if (!devices) return reportError(devices.error());
     auto settings = workloadSettings(selectors, devices->anyHardware);
@@ -135,6 +154,9 @@ int runOnDevice(const RunOptions& options) {
     context.bench.timed = options.timed;
     context.verticesInView = 1 - *share;
     context.warnings = devices->notes;
+    context.command = options.command;
+    context.baseline = *baseline;
+    context.unused = unused;
     if (!outside.empty()) context.warnings.push_back(outside);
     if (options.timed)
         for (const auto& [api, open] : devices->byApi)

@@ -30,25 +30,24 @@ void onSignal(int signal) {
     raise(signal);
 }
 
-// A bar with the time left, on a terminal only.
-struct ProgressBar {
-    bool shown = isatty(STDERR_FILENO);
-    std::chrono::steady_clock::time_point start = std::chrono::steady_clock::now();
+std::string leftText(double seconds) {
+    return seconds < 90 ? std::format("{:.0f} s left", std::ceil(seconds))
+                        : std::format("{:.0f} min left", std::ceil(seconds / 60));
+}
 
-    void draw(const std::string& what, double fraction) const {
-        if (!shown) return;
-        const double passed = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
-        const auto filled = static_cast<size_t>(fraction * 24);
-        const std::string left =
-            fraction > 0.02 ? std::format("{:.0f} s left", std::ceil(passed * (1 - fraction) / fraction)) : "";
-        if (fraction >= 1)
-            std::cerr << "\r\x1b[K" << std::flush;
-        else
-            std::cerr << std::format("\r\x1b[K[{}{}] {:3.0f} %  {:>10}  {}", std::string(filled, '#'),
-                                     std::string(24 - filled, '.'), fraction * 100, left, what.substr(0, 60))
-                      << std::flush;
+// A bar with the time left, in one line of 80 columns, on a terminal only.
+void drawProgress(const Progress& progress) {
+    if (!isatty(STDERR_FILENO)) return;
+    if (progress.fraction >= 1) {
+        std::cerr << "\r\x1b[K" << std::flush;
+        return;
     }
-};
+    const auto filled = static_cast<size_t>(progress.fraction * 16);
+    const std::string left = progress.secondsLeft ? leftText(*progress.secondsLeft) : "";
+    std::cerr << std::format("\r\x1b[K[{}{}] {:3.0f} %  {:>11}  {}", std::string(filled, '#'),
+                             std::string(16 - filled, '.'), progress.fraction * 100, left, progress.what.substr(0, 40))
+              << std::flush;
+}
 
 }  // namespace
 
@@ -67,7 +66,7 @@ bool interrupted() { return stopRequested != 0; }
 
 BenchEvents consoleEvents(RunContext& context) {
     BenchEvents events;
-    events.progress = [bar = ProgressBar{}](const std::string& what, double fraction) { bar.draw(what, fraction); };
+    events.progress = drawProgress;
     events.stop = interrupted;
     events.timing = [&context, start = std::chrono::steady_clock::now()]() mutable {
         const auto now = std::chrono::steady_clock::now();

@@ -11,22 +11,15 @@ struct Preset {
     const char* name;
     const char* what;
     uint32_t copies, frames, warmup, rounds;
-    double timeLimit;  // seconds
     std::vector<std::string> rasters;
+    double precision, timeLimit;  // percent, seconds
 };
 
 const std::vector<Preset>& presets() {
     static const std::vector<Preset> rows = {
-        {"quick", "2 copies, 6 frames: does it work", 2, 6, 1, 2, 5, {"full"}},
-        {"gpu", "100 copies, 30 frames or more", 100, 30, 5, 3, 120, {"full"}},
-        {"geometry",
-         "200 copies, 30 frames or more, no fragments and rasteriser discard: what skinning costs",
-         200,
-         30,
-         5,
-         3,
-         120,
-         {"no-fragments", "discard"}},
+        {"quick", "does it work; software drivers take it", 2, 6, 1, 2, {"full"}, 1, 5},
+        {"gpu", "a GPU takes it", 100, 30, 5, 3, {"full"}, 1, 120},
+        {"geometry", "what skinning costs", 200, 30, 5, 3, {"no-fragments", "discard"}, 1, 120},
     };
     return rows;
 }
@@ -57,7 +50,7 @@ Result<std::pair<uint32_t, uint32_t>> parsePair(const std::string& text, char se
                                                 uint32_t most) {
     const size_t middle = text.find(separator);
     if (middle == std::string::npos)
-        return inputError(std::format("{} '{}' is not of the form A{}B", what, text, separator));
+        return inputError(std::format("{} '{}' is not two numbers, as in 640{}480", what, text, separator));
     auto a = parseNumber(text.substr(0, middle), what, most);
     SKINBENCH_TRY(a);
     auto b = parseNumber(text.substr(middle + 1), what, most);
@@ -67,6 +60,55 @@ Result<std::pair<uint32_t, uint32_t>> parsePair(const std::string& text, char se
 
 std::string presetWords() { return tableNames(presets()); }
 std::string geometryWords() { return tableNames(kGeometries); }
+
+std::string presetTable() {
+    constexpr auto kLine = "  {:<9} {:>6}  {:>6}  {:>6}  {:>6}  {:<21} {:>9}  {:>5}  {}\n";
+    std::string text =
+        std::format(kLine, "preset", "copies", "frames", "warmup", "rounds", "raster", "precision", "limit", "");
+    text = text.substr(0, text.find_last_not_of(" \n") + 1) + "\n";
+    for (const Preset& preset : presets()) {
+        std::string rasters;
+        for (const std::string& raster : preset.rasters) rasters += (rasters.empty() ? "" : ",") + raster;
+        text +=
+            std::format(kLine, preset.name, preset.copies, preset.frames, preset.warmup, preset.rounds, rasters,
+                        std::format("{:g} %", preset.precision), std::format("{:g} s", preset.timeLimit), preset.what);
+    }
+    return text;
+}
+
+// Insertions, deletions, replacements and swaps of neighbours (the optimal string alignment distance).
+static size_t editsBetween(const std::string& a, const std::string& b) {
+    std::vector<std::vector<size_t>> edits(a.size() + 1, std::vector<size_t>(b.size() + 1));
+    for (size_t i = 0; i <= a.size(); ++i)
+        for (size_t j = 0; j <= b.size(); ++j) {
+            if (i == 0 || j == 0) {
+                edits[i][j] = i + j;
+                continue;
+            }
+            edits[i][j] = std::min(
+                {edits[i - 1][j] + 1, edits[i][j - 1] + 1, edits[i - 1][j - 1] + (a[i - 1] == b[j - 1] ? 0 : 1)});
+            if (i > 1 && j > 1 && a[i - 1] == b[j - 2] && a[i - 2] == b[j - 1])
+                edits[i][j] = std::min(edits[i][j], edits[i - 2][j - 2] + 1);
+        }
+    return edits[a.size()][b.size()];
+}
+
+std::string nearestWord(const std::string& word, const std::vector<std::string>& words) {
+    constexpr size_t kLongest = 40;
+    if (word.empty() || word.size() > kLongest) return {};
+    std::vector<std::string> longer;
+    for (const std::string& other : words)
+        if (word.size() > 1 && other.starts_with(word)) longer.push_back(other);
+    if (longer.size() == 1) return longer.front();
+    std::string nearest;
+    size_t fewest = std::min<size_t>(3, word.size() / 3 + 1);
+    for (const std::string& other : words)
+        if (const size_t edits = editsBetween(word, other); edits < fewest) {
+            fewest = edits;
+            nearest = other;
+        }
+    return nearest;
+}
 
 std::vector<std::string> presetRasters(const Selectors& s) { return presetOf(s, false).rasters; }
 
@@ -91,7 +133,9 @@ Result<std::vector<Case>> selectedCases(const Selectors& s) {
     return cases;
 }
 
-Result<std::pair<uint32_t, uint32_t>> parseSize(const std::string& text) { return parsePair(text, 'x', "size", 16384); }
+Result<std::pair<uint32_t, uint32_t>> parseSize(const std::string& text) {
+    return parsePair(text, 'x', "--size", 16384);
+}
 
 Result<WorkloadSettings> workloadSettings(const Selectors& s, bool anyHardware) {
     WorkloadSettings settings;
@@ -124,7 +168,7 @@ BenchSettings benchSettings(const Selectors& s, bool anyHardware) {
     settings.warmup = s.warmupGiven ? s.warmup : preset.warmup;
     settings.rounds = std::min(s.rounds ? s.rounds : rounds, settings.frames);
     const bool fixed = s.frames || s.rounds;
-    settings.precision = (s.precision >= 0 ? s.precision : fixed ? 0 : 1) / 100;
+    settings.precision = (s.precision >= 0 ? s.precision : fixed ? 0 : preset.precision) / 100;
     settings.timeLimit = s.timeLimit >= 0 ? s.timeLimit : preset.timeLimit;
     settings.limits = true;
     settings.selfTest = s.selfTest;
@@ -142,7 +186,7 @@ Result<Workload> openWorkload(const std::string& name, const WorkloadSettings& s
     SKINBENCH_TRY(shaders);
     auto scene = loadScene(name);
     SKINBENCH_TRY(scene);
-    for (const std::string& warning : scene->warnings) warn(scene->name + ": " + warning);
+    for (const std::string& warning : scene->warnings) warn(name + ": " + warning);
     return makeWorkload(std::move(*scene), std::move(*shaders), settings);
 }
 

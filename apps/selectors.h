@@ -49,4 +49,10 @@ std::vector<std::string> presetRasters(const Selectors& selectors);
 std::string presetWords();
 std::string geometryWords();
 
+// Every preset in a line, and which of them a device takes by itself.
+std::string presetTable();
+
+// The word that was probably meant: the nearest by few edits, or the only one that begins so; empty: none is near.
+std::string nearestWord(const std::string& word, const std::vector<std::string>& words);
+
 }  // namespace skinbench

@@ -42,13 +42,40 @@ size_t terminalWidth() {
 
 namespace {
 
-// A range alone lets NaN through.
-const CLI::Validator kFinite(
-    [](std::string& text) {
-        double value = 0;
-        return CLI::detail::lexical_cast(text, value) && std::isfinite(value) ? "" : text + " is not a number";
-    },
-    "");
+// A finite number of the kind; CLI::Range lets NaN through.
+template <class Number>
+CLI::Validator numberFrom(Number least, Number most) {
+    return CLI::Validator(
+        [least, most](std::string& text) {
+            Number value{};
+            const bool right = CLI::detail::lexical_cast(text, value) && value >= least && value <= most;
+            return right
+                       ? ""
+                       : std::format("'{}' is not a number from {:.10g} to {:.10g}", text, double(least), double(most));
+        },
+        "");
+}
+
+CLI::Validator atLeastZero(bool above = false) {
+    return CLI::Validator(
+        [above](std::string& text) {
+            double value = 0;
+            const bool number = CLI::detail::lexical_cast(text, value) && std::isfinite(value);
+            const bool right = number && (above ? value > 0 : value >= 0);
+            return right ? "" : std::format("'{}' is not a number {}", text, above ? "above 0" : "of at least 0");
+        },
+        "");
+}
+
+CLI::Validator oneOf(const std::vector<std::string>& words) {
+    return CLI::Validator(
+        [words](std::string& text) {
+            std::string there;
+            for (const std::string& word : words) there += (there.empty() ? "" : ", ") + word;
+            return std::ranges::contains(words, text) ? "" : std::format("no '{}'; there is {}", text, there);
+        },
+        "");
+}
 
 // "--palette-buffer,--palette"
 std::string spellings(const Axis& axis) {
@@ -98,7 +125,7 @@ void addSelectors(CLI::App& command, Selectors& s) {
     addCases(command, s.caseIds);
     command
         .add_option("--shape", s.shape, "given: as joints, loads, records and palette say; auto: the fastest of them")
-        ->check(CLI::IsMember({"given", "auto"}))
+        ->check(oneOf({"given", "auto"}))
         ->capture_default_str();
     command.add_option("--geometry", s.geometry, geometryWords())->capture_default_str();
     command.add_flag("--no-cache-order", s.noCacheOrder, "keep the file's triangle order");
@@ -108,40 +135,40 @@ void addSelectors(CLI::App& command, Selectors& s) {
     command.add_option("--camera", s.camera, "crowd, half, inside or close: how much of the copies is in the view")
         ->capture_default_str();
     command.add_option("--time", s.seconds, "seconds into the animation at the first frame")
-        ->check(kFinite & CLI::Range(0.0, 1e6))
+        ->check(numberFrom(0.0, 1e6))
         ->capture_default_str();
     command.add_option("--copies", s.copies, "characters, each with memory of its own (default: by device)")
-        ->check(CLI::Range(1u, 1'000'000u));
+        ->check(numberFrom(1u, 1'000'000u));
     command.add_option("--frames", s.frames, "timed frames of a case (default: by device)")
-        ->check(CLI::Range(1u, 100'000u));
+        ->check(numberFrom(1u, 100'000u));
     command
         .add_option("--warmup", s.warmup,
                     "untimed frames in every round, repeated until times settle (default: by device)")
-        ->check(CLI::Range(0u, 10'000u))
+        ->check(numberFrom(0u, 10'000u))
         ->each([&s](const std::string&) { s.warmupGiven = true; });
     command.add_option("--rounds", s.rounds, "rounds that share the frames (default: by device)")
-        ->check(CLI::Range(1u, 1'000u));
+        ->check(numberFrom(1u, 1'000u));
     command
         .add_option("--precision", s.precision,
                     "percent: rounds go on until the 95 % interval of each median has this half-width, 0: no more than "
                     "--rounds (default: 1)")
-        ->check(kFinite & CLI::NonNegativeNumber);
+        ->check(atLeastZero());
     command
         .add_option("--time-limit", s.timeLimit,
                     "seconds after which no more rounds begin for --precision, 0: none (default: by device)")
-        ->check(kFinite & CLI::NonNegativeNumber);
+        ->check(atLeastZero());
     command
         .add_option("--placement", s.placement,
                     "kept: cases keep their memory between rounds; fresh: each round prepares them anew, so that the "
                     "intervals cover where memory lies (default: kept, with --self-test fresh)")
-        ->check(CLI::IsMember({"kept", "fresh"}));
+        ->check(oneOf({"kept", "fresh"}));
     command.add_option("--size", s.size, "WIDTHxHEIGHT of the image")->capture_default_str();
-    command.add_option("--preset", s.preset, presetWords() + ": copies, frames and raster modes");
+    command.add_option("--preset", s.preset, presetWords() + ": the table below (default: by device)");
     command.add_option("--seed", s.seed, "of the order of cases")->capture_default_str();
     command.add_option("--device", s.device, std::string(kDeviceHelp) + ", or all: one after the other");
     command.add_flag("--validation", s.validation, "validation layers and debug output; a message fails its case");
     command.add_option("--tolerance", s.tolerance, "largest relative position error")
-        ->check(kFinite & CLI::PositiveNumber)
+        ->check(atLeastZero(true))
         ->capture_default_str();
 }
 
@@ -162,9 +189,26 @@ void addProbe(CLI::App& program, int& status) {
     command->callback([options, &status] { status = runProbe(*options); });
 }
 
-void addRun(CLI::App& program, int& status, bool timed) {
+constexpr const char* kTableColumns =
+    "Columns of the table:\n"
+    "  median ms         time of a frame, all copies together; * on a software driver\n"
+    "  ± %               half of the 95 % interval of the median\n"
+    "  of vertex         time over that of the baseline, so 0.5 is twice as fast: the fastest vertex case that draws "
+    "the\n"
+    "                    same on the same API, or what --baseline names\n"
+    "  of its own limit  time over that of the same draws with nothing fetched and nothing skinned. It compares a "
+    "case\n"
+    "                    with itself: the slowest one may have the lowest\n"
+    "  KiB / copy        device memory of one character\n"
+    "  error             largest distance to the double-precision reference, of the bounding box's diagonal\n"
+    "Below it: the fastest case and the next one, then the fastest case of each stage, extension and API against that "
+    "of\n"
+    "the others. The variant none, route cpu and half-rate updates are no rivals.\n";
+
+void addRun(CLI::App& program, int& status, bool timed, const std::string& commandLine) {
     auto options = std::make_shared<RunOptions>();
     options->timed = timed;
+    options->command = commandLine;
     options->out = timed ? "results" : "";
     CLI::App* command = timed ? program.add_subcommand("bench", "verify and time every selected case")
                               : program.add_subcommand("verify", "check every selected case against the CPU reference");
@@ -172,6 +216,13 @@ void addRun(CLI::App& program, int& status, bool timed) {
     command->add_option("--out", options->out, "folder of results.json, results.csv and report.html")
         ->capture_default_str();
     command->add_flag("--json", options->json, "print the result file instead of a table");
+    command->add_flag("--list", options->list, "print the cases that would run, and why others would not");
+    if (timed)
+        command
+            ->add_option("--baseline", options->baseline,
+                         "what times are divided by: a variant, on the same API, or the id of a case")
+            ->capture_default_str();
+    command->footer("Presets, and what a device takes by itself:\n" + presetTable() + "\n" + kTableColumns);
     if (timed)
         command->add_flag("--self-test", options->selectors.selfTest,
                           "time every case twice under two names and tell how far equal ones differ");
@@ -190,14 +241,14 @@ void addRender(CLI::App& program, int& status) {
         ->expected(1);
     command->add_option("--view", options->view, wordsOf(*findAxis("view")) + " (default: shaded)");
     command->add_option("--time", s.seconds, "seconds into the animation")
-        ->check(kFinite & CLI::Range(0.0, 1e6))
+        ->check(numberFrom(0.0, 1e6))
         ->capture_default_str();
     command->add_option("--clip", s.clip, "name of the animation, or none (default: the first)");
     command->add_option("--size", s.size, "WIDTHxHEIGHT")->capture_default_str();
     command->add_option("--camera", s.camera, "crowd, half, inside or close")->capture_default_str();
-    command->add_option("--copies", s.copies, "how many (default: 1)")->check(CLI::Range(1u, 1'000'000u));
+    command->add_option("--copies", s.copies, "how many (default: 1)")->check(numberFrom(1u, 1'000'000u));
     command->add_option("--yaw", options->yaw, "degrees that a single character is turned by")
-        ->check(kFinite & CLI::Range(-360.0f, 360.0f))
+        ->check(numberFrom(-360.0f, 360.0f))
         ->capture_default_str();
     command->add_option("--device", s.device, kDeviceHelp);
     command->add_flag("--validation", s.validation, "validation layers and debug output");
@@ -247,7 +298,7 @@ void addPartition(CLI::App& program, int& status) {
     command->add_option("--hardware", options->hardware, tableNames(paletteHardware()))->capture_default_str();
     command->add_option("--slots", options->slots, "joints that a draw of generic hardware reaches")
         ->default_str(std::to_string(findPaletteHardware("generic")->slots))
-        ->check(CLI::Range(1u, 65'535u));
+        ->check(numberFrom(1u, 65'535u));
     command->add_option("--solver", options->solver, tableNames(partitionSolvers()))->capture_default_str();
     command->add_option("--order", options->order, "of the groups: " + tableNames(groupOrders()))
         ->capture_default_str();
@@ -283,8 +334,7 @@ void addCompare(CLI::App& program, int& status) {
         ->add_option("--fail-above", options->failAbove,
                      "exit 1 when the whole interval of a case lies this many percent above A, beyond the noise floor, "
                      "or a case of A is missing, failed or not timed in B")
-        ->check(kFinite)
-        ->check(CLI::NonNegativeNumber);
+        ->check(atLeastZero());
     command->add_flag("--allow-missing", options->allowMissing, "with --fail-above: B may lack cases of A");
     command->add_flag("--json", options->json, "print JSON");
     command->callback([options, &status] { status = runCompare(*options); });
@@ -302,17 +352,75 @@ void addReproduce(CLI::App& program, int& status) {
         ->delimiter(',')
         ->allow_extra_args(false);
     command->add_option("--copies", s.copies, "characters, each with memory of its own (default: by device)")
-        ->check(CLI::Range(1u, 1'000'000u));
+        ->check(numberFrom(1u, 1'000'000u));
     command->add_option("--frames", s.frames, "timed frames of a case (default: by device)")
-        ->check(CLI::Range(1u, 100'000u));
+        ->check(numberFrom(1u, 100'000u));
     command->add_option("--rounds", s.rounds, "rounds that share the frames (default: by device)")
-        ->check(CLI::Range(1u, 1'000u));
+        ->check(numberFrom(1u, 1'000u));
     command->add_option("--size", s.size, "WIDTHxHEIGHT of the image")->capture_default_str();
     command->add_option("--device", s.device, kDeviceHelp);
     command->add_option("--out", options->out, "folder of reproduce.md, reproduce.html and reproduce.json")
         ->capture_default_str();
     command->add_flag("--json", options->json, "print reproduce.json instead of the short table");
     command->callback([options, &status] { status = runReproduce(*options); });
+}
+
+// As a shell takes it; the program by its name alone.
+std::string commandLine(int argc, char** argv) {
+    constexpr std::string_view kPlain = "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789_-+=./:,@%^";
+    std::string text = "skinbench";
+    for (int i = 1; i < argc; ++i) {
+        const std::string word = argv[i];
+        const bool plain = !word.empty() && word.find_first_not_of(kPlain) == std::string::npos;
+        std::string quoted;
+        for (const char c : word) quoted += c == '\'' ? std::string("'\\''") : std::string(1, c);
+        text += " " + (plain ? word : "'" + quoted + "'");
+    }
+    return text;
+}
+
+// The subcommand that the words led to.
+const CLI::App& innermost(const CLI::App& program) {
+    const auto inner = program.get_subcommands();
+    return inner.empty() ? program : innermost(*inner.front());
+}
+
+std::string callOf(const CLI::App& command) {
+    return (command.get_parent() ? callOf(*command.get_parent()) + " " : "") + command.get_name();
+}
+
+// The text of a word that the command does not know.
+std::string unknownText(const CLI::App& command, const std::string& word) {
+    const bool option = word.starts_with("-");
+    std::vector<std::string> words;
+    for (const CLI::Option* known : command.get_options())
+        for (const std::string& name : known->get_lnames()) words.push_back("--" + name);
+    if (!option) {
+        words.clear();
+        for (const CLI::App* inner : command.get_subcommands({})) words.push_back(inner->get_name());
+        if (words.empty()) return std::format("'{}' is one word too many", word);
+    }
+    const std::string nearest = nearestWord(word.substr(0, word.find('=')), words);
+    std::string there;
+    if (!option)
+        for (const std::string& other : words) there += (there.empty() ? "; there is " : ", ") + other;
+    return std::format("no {} {}{}", option ? "option" : "subcommand", option ? word : "'" + word + "'",
+                       nearest.empty() ? there : "; did you mean " + nearest + "?");
+}
+
+std::string usageText(const CLI::App& program, const CLI::ParseError& error) {
+    const CLI::App& command = innermost(program);
+    const std::vector<std::string> unknown = program.remaining(true);
+    std::string text = error.what();
+    // An unknown subcommand leaves its word over and is otherwise reported as a missing one.
+    const bool extra = error.get_exit_code() == static_cast<int>(CLI::ExitCodes::ExtrasError) ||
+                       error.get_exit_code() == static_cast<int>(CLI::ExitCodes::RequiredError);
+    if (extra && !unknown.empty())
+        text = unknownText(command, unknown.front());
+    else if (error.get_exit_code() == static_cast<int>(CLI::ExitCodes::ArgumentMismatch))
+        text = text.substr(0, text.find(':')) + " needs a value";
+    std::ranges::replace(text, '\n', ' ');
+    return text + (text.ends_with("?") ? " See " : "; see ") + callOf(command) + " --help";
 }
 
 int runProgram(int argc, char** argv) {
@@ -322,8 +430,8 @@ int runProgram(int argc, char** argv) {
     program.require_subcommand(1);
     int status = kExitDone;
     addProbe(program, status);
-    addRun(program, status, true);
-    addRun(program, status, false);
+    addRun(program, status, true, commandLine(argc, argv));
+    addRun(program, status, false, commandLine(argc, argv));
     addRender(program, status);
     addInspect(program, status);
     addScene(program, status);
@@ -341,13 +449,7 @@ int runProgram(int argc, char** argv) {
             program.exit(error);
             return flushOutput();
         }
-        std::string text = error.what();
-        // An unknown subcommand leaves its word over and is otherwise told as a missing one.
-        const std::vector<std::string> unknown = program.remaining(true);
-        if (error.get_exit_code() == static_cast<int>(CLI::ExitCodes::RequiredError) && !unknown.empty())
-            text = "no subcommand or option '" + unknown.front() + "'";
-        std::ranges::replace(text, '\n', ' ');
-        return reportError({Fault::input, text + "; see skinbench --help"});
+        return reportError({Fault::input, usageText(program, error)});
     }
     return status == kExitDone ? flushOutput() : status;
 }

@@ -160,6 +160,11 @@ Axis same(Axis axis) {
     return axis;
 }
 
+Axis otherWork(Axis axis) {
+    axis.changesWork = true;
+    return axis;
+}
+
 Axis topLevel(Axis axis) {
     axis.topLevel = true;
     return axis;
@@ -283,6 +288,7 @@ void addSkinning(std::vector<Axis>& rows) {
                                     {{"lbs", Method::lbs}, {"dqs", Method::dqs, "dqs"}},
                                     [](Case& c) -> Method& { return c.method; }));
     rows.back().changesPicture = true;
+    rows.back().changesWork = true;
     rows.push_back(wordAxis<RowFormat>({.name = "palette_rows",
                                         .option = {.help = ": floats or half floats"},
                                         .applies = skinsOnDevice,
@@ -306,7 +312,7 @@ void addSkinning(std::vector<Axis>& rows) {
                                    .define = "LOADS_ONLY"},
                                   {{"all", false}, {"loads-only", true, "loads-only"}},
                                   [](Case& c) -> bool& { return c.loadsOnly; }));
-    rows.back().changesPicture = true;
+    rows.back().changesPicture = rows.back().changesWork = true;
 }
 
 void addDraws(std::vector<Axis>& rows) {
@@ -331,9 +337,9 @@ void addDraws(std::vector<Axis>& rows) {
                                        {"frustum+small", TEST_FRUSTUM | TEST_SMALL, "test-frustum-small"},
                                        {"back+small", TEST_BACK | TEST_SMALL, "test-back-small"}},
                                       [](Case& c) -> uint32_t& { return c.triangleTests; }));
-    rows.push_back(
+    rows.push_back(otherWork(
         same(wordAxis<int>({.name = "influences", .changes = Changes::scene, .define = "INFLUENCES"},
-                           {{"4", 4}, {"8", 8, "8-influences"}}, [](Case& c) -> int& { return c.influences; })));
+                           {{"4", 4}, {"8", 8, "8-influences"}}, [](Case& c) -> int& { return c.influences; }))));
     rows.back().changesPicture = true;
     addSkinning(rows);
     rows.push_back(fetchAxis());
@@ -341,9 +347,9 @@ void addDraws(std::vector<Axis>& rows) {
         same(wordAxis<Submission>({.name = "submission", .applies = draws, .define = "BATCHED"},
                                   {{"per-copy", Submission::perCopy}, {"batched", Submission::batched, "batched"}},
                                   [](Case& c) -> Submission& { return c.submission; })));
-    rows.push_back(same(wordAxis<bool>(
+    rows.push_back(otherWork(same(wordAxis<bool>(
         {.name = "back_faces", .option = {.help = ", by the rasteriser"}, .applies = draws},
-        {{"culled", false}, {"kept", true, "keep-back-faces"}}, [](Case& c) -> bool& { return c.keepBackFaces; })));
+        {{"culled", false}, {"kept", true, "keep-back-faces"}}, [](Case& c) -> bool& { return c.keepBackFaces; }))));
     rows.push_back(topLevel(wordAxis<Cull>({.name = "cull",
                                             .option = {.help = ": back faces, in the mesh stage"},
                                             .applies = skinsMeshlets,
@@ -363,15 +369,15 @@ void addDraws(std::vector<Axis>& rows) {
         [](Case& c) -> Exchange& { return c.exchange; }));
     rows.back().beside = "cull";
     rows.push_back(
-        topLevel(wordAxis<Scenario>({.name = "scenario", .applies = prepasses},
-                                    {{"direct", Scenario::direct}, {"prepass", Scenario::prepass, "prepass"}},
-                                    [](Case& c) -> Scenario& { return c.scenario; })));
-    rows.push_back(topLevel(same(
+        otherWork(topLevel(wordAxis<Scenario>({.name = "scenario", .applies = prepasses},
+                                              {{"direct", Scenario::direct}, {"prepass", Scenario::prepass, "prepass"}},
+                                              [](Case& c) -> Scenario& { return c.scenario; }))));
+    rows.push_back(otherWork(topLevel(same(
         wordAxis<RasterMode>({.name = "raster", .changes = Changes::raster, .applies = draws, .noun = "raster mode"},
                              {{"full", RasterMode::full},
                               {"no-fragments", RasterMode::noFragments, "no-fragments"},
                               {"discard", RasterMode::discard, "discard"}},
-                             [](Case& c) -> RasterMode& { return c.raster; }))));
+                             [](Case& c) -> RasterMode& { return c.raster; })))));
     rows.push_back(wordAxis<View>({.name = "view", .applies = draws, .define = "VIEW"},
                                   {{"shaded", View::shaded},
                                    {"meshlets", View::meshlets, "view-meshlets"},

@@ -40,6 +40,7 @@ struct Axis {
     bool topLevel = false;           // a key of the case itself in result files, else of its `options`
     bool benched = true;             // an option of bench and verify
     bool changesPicture = false;     // two values may draw different pictures
+    bool changesWork = false;        // two values are different tasks, whose times are not compared: sameWork
     bool shape = false;              // computes the same in another shape: --shape auto may choose it
     std::string beside;              // the axis that it only means something with: "cull" of "exchange"
     std::string ofLimit;             // the value that limitCase takes; empty: the usual one; kSame: the case's own
@@ -72,6 +73,10 @@ std::string keyOf(const Case& c, Changes upTo);
 // What all cases that must draw one picture share. Raster modes and limits apart.
 std::string pictureOf(const Case& c);
 
+// Whether two cases do the same task, so that the faster one is the better one: they agree in every axis that
+// changesWork.
+bool sameWork(const Case& a, const Case& b);
+
 // The defines of every axis that has one.
 Defines definesOf(const Case& c);
 
@@ -101,6 +106,14 @@ Result<std::vector<Case>> crossCases(const AxisWords& words);
 
 // The same from given cases, over the named axes alone.
 Result<std::vector<Case>> crossCases(std::vector<Case> cases, const AxisWords& words);
+
+// What was named and is in none of the cases, one entry an axis.
+struct Unused {
+    std::string axis, option;        // "variant", "--variants"
+    std::vector<std::string> words;  // as they were given
+    std::string reason;              // "mesh needs vk-ext, vk-nv, gl-ext or gl-nv"
+};
+std::vector<Unused> unusedWords(const AxisWords& words, const std::vector<Case>& cases);
 
 // The words of an axis with commas between them, for help texts and messages.
 std::string wordsOf(const Axis& axis);

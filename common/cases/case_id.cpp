@@ -65,6 +65,11 @@ std::string pictureOf(const Case& c) {
     return key;
 }
 
+bool sameWork(const Case& a, const Case& b) {
+    return std::ranges::all_of(axes(),
+                               [&](const Axis& axis) { return !axis.changesWork || axis.get(a) == axis.get(b); });
+}
+
 Defines definesOf(const Case& c) {
     Defines defines;
     for (const Axis& axis : axes())

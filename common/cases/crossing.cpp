@@ -1,5 +1,6 @@
 // Lists of values become cases: each axis that means something to a case multiplies it.
 #include <algorithm>
+#include <format>
 
 #include "common/cases/axes.h"
 
@@ -40,7 +41,89 @@ const std::vector<std::string>* namedWords(const AxisWords& words, const Axis& a
     return named == words.end() || named->second.empty() ? nullptr : &named->second;
 }
 
+// "a, b or c"
+std::string anyOf(const std::vector<std::string>& names) {
+    std::string text;
+    for (size_t i = 0; i < names.size(); ++i) text += (i == 0 ? "" : i + 1 == names.size() ? " or " : ", ") + names[i];
+    return text;
+}
+
+void addOnce(std::vector<std::string>& names, const std::string& name) {
+    if (std::ranges::find(names, name) == names.end()) names.push_back(name);
+}
+
+// Where an axis means something, whatever the device, when all others have their usual values.
+struct Home {
+    std::vector<std::string> routes, variants;
+};
+
+Home homeOf(const Axis& axis) {
+    Home home;
+    for (const Route& route : routes())
+        for (const Variant& variant : variants()) {
+            Case c;
+            c.route = &route;
+            c.variant = &variant;
+            c.codec = findCodec("uc");
+            if (!runsOn(variant, route) || !axis.applies(c)) continue;
+            addOnce(home.routes, route.name);
+            addOnce(home.variants, variant.name);
+        }
+    return home;
+}
+
+std::string needsOf(const Axis& axis, const std::vector<Case>& cases) {
+    if (!axis.beside.empty()) {
+        const Axis& other = *findAxis(axis.beside);
+        return std::format("means nothing beside --{} {}", other.option.name, other.usual);
+    }
+    const Home home = homeOf(axis);
+    const bool onRoute = std::ranges::any_of(
+        cases, [&](const Case& c) { return std::ranges::find(home.routes, c.route->name) != home.routes.end(); });
+    return onRoute ? "needs the variant " + anyOf(home.variants) : "needs " + anyOf(home.routes);
+}
+
+// The other half of the pairs of route and variant that exist.
+std::string needsOfPath(const Axis& axis, const std::string& word) {
+    const Route* const route = axis.name == "route" ? findRoute(word) : nullptr;
+    const Variant* const variant = axis.name == "variant" ? findVariant(word) : nullptr;
+    std::vector<std::string> names;
+    if (route)
+        for (const Variant& other : variants())
+            if (runsOn(other, *route)) names.push_back(other.name);
+    if (variant)
+        for (const Route& other : routes())
+            if (runsOn(*variant, other)) names.push_back(other.name);
+    if (names.empty()) return "needs a variant that skins on the GPU";
+    return (route ? "needs the variant " : "needs ") + anyOf(names);
+}
+
 }  // namespace
+
+std::vector<Unused> unusedWords(const AxisWords& words, const std::vector<Case>& cases) {
+    std::vector<Unused> unused;
+    for (const Axis& axis : axes()) {
+        const std::vector<std::string>* const named = namedWords(words, axis);
+        if (!named) continue;
+        const bool alone = axis.name == "route" || axis.name == "variant" || axis.name == "codec";
+        Unused whole{axis.name, "--" + axis.option.name, {}, {}};
+        for (const std::string& word : *named) {
+            Case scratch;
+            const bool used = axis.set(scratch, word) && std::ranges::any_of(cases, [&](const Case& c) {
+                                  return axis.applies(c) && axis.get(c) == axis.get(scratch);
+                              });
+            if (used) continue;
+            if (alone)
+                unused.push_back({axis.name, whole.option, {word}, word + " " + needsOfPath(axis, word)});
+            else
+                whole.words.push_back(word);
+        }
+        if (whole.words.empty()) continue;
+        whole.reason = whole.option + " " + needsOf(axis, cases);
+        unused.push_back(std::move(whole));
+    }
+    return unused;
+}
 
 Result<std::vector<Case>> crossCases(const AxisWords& words) {
     // A word that no case asks for is looked up all the same.
@@ -53,9 +136,11 @@ Result<std::vector<Case>> crossCases(const AxisWords& words) {
     std::vector<Case> cases(1);
     for (const Axis& axis : axes()) SKINBENCH_TRY(crossAxis(cases, axis, namedWords(words, axis)));
     if (!cases.empty()) return cases;
-    return inputError(
-        "none of these variants exists on these routes: vertex, compute and cpu run on vk and gl, "
-        "mesh on vk-ext, vk-nv, gl-ext and gl-nv");
+    std::string reasons;
+    for (const Unused& unused : unusedWords(words, cases))
+        if (unused.axis == "variant" || unused.axis == "codec")
+            reasons += (reasons.empty() ? ": " : "; ") + unused.reason;
+    return inputError("none of these variants exists on these routes" + reasons);
 }
 
 Result<std::vector<Case>> crossCases(std::vector<Case> cases, const AxisWords& words) {

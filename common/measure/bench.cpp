@@ -5,6 +5,7 @@
 #include <cmath>
 #include <cstring>
 #include <format>
+#include <set>
 
 #include "common/core/host_memory.h"
 #include "common/core/parallel.h"
@@ -316,12 +317,18 @@ static CaseResult resultFor(const Case& c) {
     return result;
 }
 
-// Verifies results[i]; the fraction of the work is told as one of `count`.
+void showProgress(Runner& runner, const std::string& what, double fraction, std::optional<double> secondsLeft) {
+    runner.shown = std::max(runner.shown, fraction);
+    if (runner.events.progress) runner.events.progress({what, runner.shown, secondsLeft});
+}
+
+// Verifies results[i], one of `count`.
 static Result<void> verifyResult(Runner& runner, size_t i, size_t count) {
     CaseResult& result = runner.results[i];
-    const double share = runner.settings.timed ? 0.3 : 1.0;
-    if (runner.events.progress)
-        runner.events.progress("verify " + result.id, share * static_cast<double>(i) / static_cast<double>(count));
+    const double share = static_cast<double>(i) / static_cast<double>(count);
+    const double passed = milliseconds(runner.start) * 1e-3;
+    showProgress(runner, "verify " + result.id, share * (runner.settings.timed ? kVerifyShare : 1),
+                 runner.settings.timed || i == 0 ? std::nullopt : std::optional(passed * (1 - share) / share));
     auto scene = attempt([&] { return sceneFor(runner.workload, result.theCase.influences); });
     if (!scene && scene.error().fault == Fault::input) return std::unexpected(scene.error());
     if (scene)
@@ -347,9 +354,17 @@ static void addLimits(std::vector<CaseResult>& results) {
     }
 }
 
+// As many as addLimits adds when every case is right.
+static size_t countLimits(const std::vector<CaseResult>& results) {
+    std::set<std::string> ids;
+    for (const CaseResult& result : results)
+        if (const std::optional<Case> limit = limitCase(result.theCase)) ids.insert(caseId(*limit));
+    return ids.size();
+}
+
 Result<std::vector<CaseResult>> runBench(Workload& workload, const std::vector<Case>& cases, const Backends& backends,
                                          const BenchSettings& settings, const BenchEvents& events) {
-    Runner runner{workload, backends, settings, events, {}, {}, {}, {}};
+    Runner runner{workload, backends, settings, events};
     for (const Case& c : cases) {
         runner.results.push_back(resultFor(c));
         if (!settings.selfTest) continue;
@@ -359,15 +374,16 @@ Result<std::vector<CaseResult>> runBench(Workload& workload, const std::vector<C
     }
     auto stopped = [&] { return events.stop && events.stop(); };
     const size_t asked = runner.results.size();
-    for (size_t i = 0; i < asked && !stopped(); ++i) SKINBENCH_TRY(verifyResult(runner, i, asked));
-    if (settings.timed && settings.limits) addLimits(runner.results);
-    for (size_t i = asked; i < runner.results.size() && !stopped(); ++i)
-        SKINBENCH_TRY(verifyResult(runner, i, runner.results.size()));
+    const bool limits = settings.timed && settings.limits;
+    const size_t count = asked + (limits ? countLimits(runner.results) : 0);
+    for (size_t i = 0; i < asked && !stopped(); ++i) SKINBENCH_TRY(verifyResult(runner, i, count));
+    if (limits) addLimits(runner.results);
+    for (size_t i = asked; i < runner.results.size() && !stopped(); ++i) SKINBENCH_TRY(verifyResult(runner, i, count));
     if (settings.timed) timeCases(runner);
     for (CaseResult& result : runner.results)
         if (settings.timed && result.status == CaseStatus::ok && result.total.empty())
             failCase(result, CaseStatus::skipped, "interrupted before it was timed");
-    if (events.progress) events.progress("", 1);
+    showProgress(runner, "", 1, 0);
     return std::move(runner.results);
 }
 
@@ -375,7 +391,8 @@ Result<Image> renderImage(Workload& workload, const Case& c, Backend& backend) {
     if (auto reason = unsupported(c, backend.caps())) return deviceError(*reason);
     const Backends backends{{c.route->api, {&backend, {}}}};
     const BenchSettings settings;
-    Runner runner{workload, backends, settings, {}, {}, {}, {}, {}};
+    const BenchEvents events;
+    Runner runner{workload, backends, settings, events};
     CaseResult result;
     result.theCase = c;
     result.id = caseId(c);

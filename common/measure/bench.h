@@ -98,9 +98,15 @@ using Backends = std::map<Api, OpenBackend>;
 
 using Checkpoint = std::function<void(const std::vector<CaseResult>&)>;
 
+struct Progress {
+    std::string what;                   // is being done; empty at the end
+    double fraction = 0;                // of the work that is done; never falls
+    std::optional<double> secondsLeft;  // empty until something like it was measured
+};
+
 struct BenchEvents {
-    std::function<void(const std::string& what, double fraction)> progress;  // fraction of the work that is done
-    Checkpoint checkpoint;                                                   // after every case
+    std::function<void(const Progress&)> progress;
+    Checkpoint checkpoint;         // after every case
     std::function<void()> timing;  // right after the first warm-up, and right behind the last timed frame
     std::function<bool()> stop;    // true: end after the current case
 };

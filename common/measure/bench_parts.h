@@ -1,6 +1,7 @@
 // What the files of the runner share: bench.cpp verifies, bench_schedule.cpp times.
 #pragma once
 
+#include <chrono>
 #include <exception>
 #include <new>
 
@@ -31,11 +32,18 @@ struct Runner {
     const Backends& backends;
     const BenchSettings& settings;
     const BenchEvents& events;
-    std::vector<CaseResult> results;
-    std::map<std::string, std::pair<std::string, Image>> firstImages;                    // by pictureOf
-    std::map<std::string, size_t> verifiedAs;                                            // keyOf the plan -> result
-    std::map<std::tuple<const EncodedMesh*, bool, PaletteForm>, References> references;  // of frame 0; bool: skinned
+    std::chrono::steady_clock::time_point start = std::chrono::steady_clock::now();
+    double shown = 0;  // of Progress::fraction
+    std::vector<CaseResult> results{};
+    std::map<std::string, std::pair<std::string, Image>> firstImages{};                    // by pictureOf
+    std::map<std::string, size_t> verifiedAs{};                                            // keyOf the plan -> result
+    std::map<std::tuple<const EncodedMesh*, bool, PaletteForm>, References> references{};  // of frame 0; bool: skinned
 };
+
+// The share of a timed run's progress that verifying takes.
+inline constexpr double kVerifyShare = 0.3;
+
+void showProgress(Runner& runner, const std::string& what, double fraction, std::optional<double> secondsLeft);
 
 struct DrawnFrame {
     Timing timing;

@@ -39,6 +39,9 @@ struct Timer {
         return of.memory ? of.memory->total() * runner.workload.settings.copies : 0;
     }
     bool began = false;  // the first warm-up is over
+    Clock::time_point start = Clock::now();
+    std::map<size_t, double> took;  // seconds of a case's last round, by result number
+    double preparing = 0;           // seconds of the last round that prepared cases
     bool stopped() const { return runner.events.stop && runner.events.stop(); }
 };
 
@@ -245,6 +248,7 @@ bool needsRound(const BenchSettings& settings, const CaseResult& result, uint32_
     if (result.status != CaseStatus::ok) return false;
     if (round < settings.rounds) return true;
     if (settings.precision <= 0 || round >= std::max(kMostRounds, settings.rounds) || !result.figures) return false;
+    if (result.total.size() < 2) return true;
     return relativeHalfWidth(result.figures->interval, result.figures->total.median) > settings.precision;
 }
 
@@ -253,15 +257,52 @@ void shuffle(std::vector<size_t>& order, std::mt19937& random) {
     for (size_t i = order.size(); i > 1; --i) std::swap(order[i - 1], order[random() % i]);
 }
 
+// How many more rounds than the settings' a case will need: an interval narrows with the root of the samples.
+double moreRounds(const BenchSettings& settings, const CaseResult& result, uint32_t round) {
+    const double most = std::max(kMostRounds, settings.rounds) - std::max(round + 1, settings.rounds);
+    if (settings.precision <= 0 || most <= 0) return 0;
+    if (!result.figures || result.roundSizes.size() < 2) return most;
+    const double wide = relativeHalfWidth(result.figures->interval, result.figures->total.median) / settings.precision;
+    const auto had = static_cast<double>(result.roundSizes.size());
+    return wide <= 1 ? 0 : std::clamp(had * wide * wide - std::max<double>(round + 1, settings.rounds), 1.0, most);
+}
+
+// Seconds until the last round ends, when every case takes as long as it did; `rest` are those that this round still
+// has.
+double secondsLeft(const Timer& timer, std::span<const size_t> rest, uint32_t round) {
+    const BenchSettings& settings = timer.runner.settings;
+    double known = 0;
+    for (const auto& [number, took] : timer.took) known += took / static_cast<double>(timer.took.size());
+    auto of = [&](size_t number) { return timer.took.contains(number) ? timer.took.at(number) : known; };
+    const double planned = round + 1 < settings.rounds ? settings.rounds - round - 1 : 0;
+    double sure = settings.freshPlacement ? planned * timer.preparing : 0, more = 0;
+    for (size_t number : rest) sure += of(number);
+    for (size_t number = 0; number < timer.runner.results.size(); ++number) {
+        const CaseResult& result = timer.runner.results[number];
+        if (result.status != CaseStatus::ok) continue;
+        sure += planned * of(number);
+        more += moreRounds(settings, result, round) * of(number);
+    }
+    const double limit = settings.timeLimit - seconds(timer.start) - sure;
+    return sure + (settings.timeLimit > 0 ? std::clamp(more, 0.0, std::max(0.0, limit)) : more);
+}
+
+// `rest` of the round begins with the case that is timed next.
+void showTiming(const Timer& timer, std::span<const size_t> rest, uint32_t round) {
+    const std::string& id = timer.runner.results[rest.front()].id;
+    if (timer.took.empty()) return showProgress(timer.runner, id, kVerifyShare, {});
+    const double left = secondsLeft(timer, rest, round), passed = seconds(timer.start);
+    showProgress(timer.runner, id, kVerifyShare + (1 - kVerifyShare) * passed / (passed + left), left);
+}
+
 }  // namespace
 
 void timeCases(Runner& runner) {
     const BenchSettings& settings = runner.settings;
     Timer timer{runner, {}, {}};
     std::mt19937 random(settings.seed);
-    const auto start = Clock::now();
     for (uint32_t round = 0; !timer.stopped(); ++round) {
-        if (round >= settings.rounds && settings.timeLimit > 0 && seconds(start) > settings.timeLimit) break;
+        if (round >= settings.rounds && settings.timeLimit > 0 && seconds(timer.start) > settings.timeLimit) break;
         std::vector<size_t> order;
         for (size_t i = 0; i < runner.results.size(); ++i)
             if (needsRound(settings, runner.results[i], round)) order.push_back(i);
@@ -269,17 +310,19 @@ void timeCases(Runner& runner) {
         shuffle(order, random);
         if (settings.freshPlacement) dropAll(timer);
         const auto [from, count] = framesOfRound(settings, round);
-        double done = 0;
+        size_t done = 0;
         for (const std::span<const size_t> group : groupsOf(timer, order)) {
+            const auto began = Clock::now();
             makeRoom(timer, group);
             bool cold = prepareGroup(timer, group);
+            if (cold) timer.preparing = seconds(began);
             for (size_t number : group) {
                 if (timer.stopped()) break;
-                const double rounds =
-                    std::min<double>(round, settings.rounds - 1) + done++ / static_cast<double>(order.size());
-                if (runner.events.progress)
-                    runner.events.progress(timer.result(number).id, 0.3 + 0.7 * rounds / settings.rounds);
-                timeCase(timer, number, from, count, std::exchange(cold, false) ? kFirstWarmup : kShortestWarmup);
+                showTiming(timer, std::span(order).subspan(done++), round);
+                const auto start = Clock::now();
+                const bool first = std::exchange(cold, false);
+                timeCase(timer, number, from, count, first ? kFirstWarmup : kShortestWarmup);
+                if (!first) timer.took[number] = seconds(start);
                 if (runner.events.checkpoint) runner.events.checkpoint(runner.results);
             }
         }

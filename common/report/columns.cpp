@@ -5,6 +5,8 @@
 #include <format>
 #include <ranges>
 
+#include "common/report/answers.h"
+
 namespace skinbench {
 using Json = nlohmann::ordered_json;
 
@@ -59,6 +61,15 @@ std::string reasonOf(const CaseResult& result) {
 
 std::optional<double> imageDifferenceOf(const Accuracy& accuracy) {
     return accuracy.imageReference.empty() ? std::nullopt : std::optional(accuracy.imageDifference);
+}
+
+// One sample is no interval.
+std::optional<Interval> intervalOf(const CaseResult& result) {
+    return result.total.size() < 2 ? std::nullopt : std::optional(result.figures->interval);
+}
+
+const CaseResult* baselineOf(const ResultInRun& r) {
+    return isTimed(r.result) ? baselineOf(r.context, r.results, r.result) : nullptr;
 }
 
 std::optional<double> limitOf(const ResultInRun& r) {
@@ -141,9 +152,8 @@ void addTimes(Columns& rows) {
                     .value = figureOf([](const auto& f) { return f.total.cv; }),
                     .scale = 100,
                     .digits = 2,
-                    .terminal = TerminalColumn{"cv %", 6},
                     .page = PageColumn{.header = "cv", .unit = "%"}});
-    rows.push_back(inFile("gpu_ms.interval", "ms", figureOf([](const auto& f) { return f.interval; }), kInterval));
+    rows.push_back(inFile("gpu_ms.interval", "ms", resultOf(intervalOf), kInterval));
     rows.push_back({.path = "gpu_ms.outliers",
                     .value = figureOf([](const auto& f) { return uint64_t{f.outliers}; }),
                     .page = spread("outliers")});
@@ -159,9 +169,13 @@ void addTimes(Columns& rows) {
 
 void addPasses(Columns& rows) {
     rows.push_back({.path = "gpu_ms.median",
+                    .per = "baseline_ms",
+                    .digits = 2,
+                    .terminal = TerminalColumn{.header = "of baseline", .width = 9, .marked = true}});
+    rows.push_back({.path = "gpu_ms.median",
                     .per = "limit_ms",
                     .digits = 2,
-                    .terminal = TerminalColumn{"x limit", 7},
+                    .terminal = TerminalColumn{"of its own limit", 16},
                     .page = PageColumn{.header = "× limit", .marked = true}});
     for (const char* label : {"skin", "depth", "draw"})
         rows.push_back(milliseconds(std::string("passes_ms.") + label, passOf(label), {label}));
@@ -184,6 +198,17 @@ void addPasses(Columns& rows) {
                     .page = host("submit")});
     rows.push_back(inFile("limit_ms", "ms", [](const ResultInRun& r) { return toJson(limitOf(r)); }));
     rows.push_back(inFile("limit_id", "", resultOf([](const auto& r) { return r.limitId; }), kText));
+    rows.push_back(inFile("baseline_ms", "ms", [](const ResultInRun& r) {
+        const CaseResult* const baseline = baselineOf(r);
+        return baseline ? toJson(baseline->figures->total.median) : Json(nullptr);
+    }));
+    rows.push_back(inFile(
+        "baseline_id", "",
+        [](const ResultInRun& r) {
+            const CaseResult* const baseline = baselineOf(r);
+            return baseline ? Json(baseline->id) : Json(nullptr);
+        },
+        kText));
 }
 
 void addRates(Columns& rows) {
@@ -298,6 +323,7 @@ std::optional<double> printedNumber(const Column& column, const Json& row) {
 std::vector<Column>& columnTable() {
     static std::vector<Column> rows = [] {
         Columns table;
+        table.push_back(inFile("work", "", resultOf([](const auto& r) { return workOf(r.theCase); }), kText));
         table.push_back(inFile("status", "", resultOf(statusOf), kText));
         table.push_back(inFile("reason", "", resultOf(reasonOf), kText));
         addTimes(table);

@@ -39,16 +39,11 @@ ComparedSide sideOf(const Json& results, const Json& row) {
 }
 
 ComparedCase compareTimes(ComparedCase compared, const Json& a, const Json& b, double noiseFloor) {
-    compared.ratio = *compared.b.median / *compared.a.median;
-    const Measured before = measuredOf(a), after = measuredOf(b);
-    if (std::min(before.samples.size(), after.samples.size()) < kFewestSamples) {
-        compared.change = Change::unknown;
-        return compared;
-    }
-    compared.interval = medianRatioInterval(before, after);
-    const bool outside = std::abs(*compared.ratio - 1) > noiseFloor;
-    if (outside && compared.interval->low > 1) compared.change = Change::slower;
-    if (outside && compared.interval->high < 1) compared.change = Change::faster;
+    const TimeRatio found =
+        judgeRatio(*compared.b.median / *compared.a.median, measuredOf(a), measuredOf(b), noiseFloor);
+    compared.change = found.change;
+    compared.ratio = found.ratio;
+    compared.interval = found.interval;
     return compared;
 }
 
@@ -238,6 +233,17 @@ Json sideJson(const ComparedSide& side) {
 }
 
 }  // namespace
+
+TimeRatio judgeRatio(double ratio, const Measured& a, const Measured& b, double noiseFloor) {
+    TimeRatio found{Change::unknown, ratio, {}};
+    if (std::min(a.samples.size(), b.samples.size()) < kFewestSamples) return found;
+    found.interval = medianRatioInterval(a, b);
+    const bool outside = std::abs(ratio - 1) > noiseFloor;
+    found.change = outside && found.interval->low > 1    ? Change::slower
+                   : outside && found.interval->high < 1 ? Change::faster
+                                                         : Change::same;
+    return found;
+}
 
 const char* changeName(Change change) {
     const char* names[] = {"slower", "faster",  "same",    "unknown", "broken",

@@ -37,6 +37,14 @@ enum class Change {
 
 const char* changeName(Change change);
 
+// What two sets of samples of at least one show, when the ratio of their medians, B / A, is `ratio`.
+struct TimeRatio {
+    Change change = Change::unknown;  // slower, faster, same or unknown
+    double ratio = 0;
+    std::optional<Interval> interval;  // 95 %, of the ratio; empty where unknown
+};
+TimeRatio judgeRatio(double ratio, const Measured& a, const Measured& b, double noiseFloor);
+
 // A case of one file; empty where the file does not have the case.
 struct ComparedSide {
     std::string id, status, reason;

@@ -8,6 +8,7 @@
 #include <fstream>
 
 #include "common/core/version.h"
+#include "common/report/answers.h"
 #include "common/report/columns.h"
 
 namespace skinbench {
@@ -259,6 +260,41 @@ static bool isOtherDevice(const RunContext& context, const DeviceState& state) {
 
 constexpr double kMovedClock = 0.02, kDrift = 0.01, kUnlikely = 0.01;
 
+static bool isTimedCase(const CaseResult& result) { return isTimed(result) && !result.isLimit; }
+
+static void addDrift(std::vector<std::string>& warnings, const std::vector<CaseResult>& results) {
+    size_t drifted = 0;
+    for (const CaseResult& result : results) {
+        if (!isTimedCase(result) || skinsOnHost(result)) continue;
+        const Drift& drift = result.figures->drift;
+        drifted += drift.p && *drift.p < kUnlikely && drift.relative > kDrift;
+    }
+    if (drifted > 0)
+        warnings.push_back(std::format("{} of {} cases drifted by more than {:.0f} % between rounds", drifted,
+                                       std::ranges::count_if(results, isTimedCase), kDrift * 100));
+}
+
+static void addPrecision(std::vector<std::string>& warnings, const BenchSettings& settings,
+                         const std::vector<CaseResult>& results) {
+    size_t wide = 0;
+    double worst = 0;
+    const CaseResult* widest = nullptr;
+    for (const CaseResult& result : results) {
+        if (!isTimedCase(result) || settings.precision <= 0) continue;
+        const double width = relativeHalfWidth(result.figures->interval, medianOf(result));
+        wide += width > settings.precision;
+        if (width <= worst) continue;
+        worst = width;
+        widest = &result;
+    }
+    if (wide > 0)
+        warnings.push_back(
+            std::format("precision: {} of {} cases did not reach {:g} %{}; the widest, {}, is known to ± {:.3g} %",
+                        wide, std::ranges::count_if(results, isTimedCase), settings.precision * 100,
+                        settings.timeLimit > 0 ? std::format(" within {:g} s (--time-limit)", settings.timeLimit) : "",
+                        widest->id, worst * 100));
+}
+
 std::vector<std::string> figureWarnings(const RunContext& context, const std::vector<CaseResult>& results) {
     std::vector<std::string> warnings = context.warnings;
     if (context.buildType != "Release")
@@ -273,15 +309,8 @@ std::vector<std::string> figureWarnings(const RunContext& context, const std::ve
                                                before[i].device, *from, *to));
         }
     }
-    size_t drifted = 0;
-    for (const CaseResult& result : results) {
-        if (!isTimed(result) || skinsOnHost(result)) continue;
-        const Drift& drift = result.figures->drift;
-        drifted += drift.p && *drift.p < kUnlikely && drift.relative > kDrift;
-    }
-    if (drifted > 0)
-        warnings.push_back(std::format("{} of {} cases drifted by more than {:.0f} % between rounds", drifted,
-                                       std::ranges::count_if(results, isTimed), kDrift * 100));
+    addDrift(warnings, results);
+    addPrecision(warnings, context.bench, results);
     return warnings;
 }
 
@@ -321,15 +350,22 @@ Json resultsJson(const RunContext& context, const std::vector<CaseResult>& resul
         for (const auto& [id, median] : calibration.tried) tried.push_back({{"id", id}, {"median_ms", median}});
         calibrations.push_back({{"chosen", calibration.chosen}, {"tried", tried}});
     }
+    Json unused = Json::array();
+    for (const Unused& words : context.unused)
+        unused.push_back({{"option", words.option}, {"words", words.words}, {"reason", words.reason}});
     const std::optional<double> floor = noiseFloor(results);
     return {{"schema", kResultsSchema},
             {"tool", {{"version", context.version}, {"revision", context.revision}, {"build_type", context.buildType}}},
             {"host", {{"os", context.os}, {"cpu", context.cpu}}},
+            {"command", context.command.empty() ? Json(nullptr) : Json(context.command)},
             {"devices", devices},
             {"scene", sceneJson(context.sceneName, context.scene)},
             {"settings", settingsJson(context)},
             {"environment", environmentJson(context)},
             {"warnings", figureWarnings(context, results)},
+            {"answers", answersJson(context, results)},
+            {"baseline", context.baseline},
+            {"unused", unused},
             {"calibrations", calibrations},
             {"noise_floor", floor ? Json(*floor) : Json(nullptr)},
             {"self_test", context.bench.selfTest ? selfTestJson(results) : Json(nullptr)},

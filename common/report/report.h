@@ -34,10 +34,13 @@ struct RunContext {
     std::vector<std::vector<DeviceState>> deviceStates;  // when timing began and when it ended
     double verifiedSeconds = 0, timedSeconds = 0;        // host time of the two parts of a run
     std::vector<std::string> warnings;                   // that concern the figures
+    std::string command;                                 // as a shell takes it; empty: not known
+    std::string baseline = "vertex";                     // a variant, or the id of a case
+    std::vector<Unused> unused;                          // what was asked for and is in no case
 };
 
 // What a reader of the figures must know: a debug build, clocks that moved by more than 2 % while cases were timed,
-// rounds that drifted by more than 1 %.
+// rounds that drifted by more than 1 %, a precision that was not reached.
 std::vector<std::string> figureWarnings(const RunContext& context, const std::vector<CaseResult>& results);
 
 // The largest relative difference of the two medians of a case that BenchSettings::selfTest listed twice; cases that
@@ -73,8 +76,11 @@ void completeResults(nlohmann::ordered_json& results);
 // says.
 std::string resultsCsv(const nlohmann::ordered_json& results);
 
-// Fixed-width lines for a terminal. Times of software drivers carry a mark that is explained below the table.
-std::string resultsTable(const nlohmann::ordered_json& results);
+// Lines for people: what was measured in one sentence; the cases of each route, the fastest first; what was skipped;
+// warnings; the answers (answers.h). Times of software drivers carry a mark that is explained at the end. For a
+// terminal of `width` columns, what all ids share is said once and equal reasons are joined; with 0, for files and
+// pipes, every case has a line of its own with its whole id.
+std::string resultsTable(const nlohmann::ordered_json& results, size_t width = 0);
 
 // A folder stands for the results.json in it.
 std::string resultsFileOf(const std::string& path);

@@ -59,6 +59,53 @@ TEST_CASE("version and help") {
     }
 }
 
+TEST_CASE("the presets of the help page are those of the docs") {
+    const std::string help = call({"bench", "--help"}).out;
+    const std::string docs = readWholeFile(SKINBENCH_SOURCE_DIR "/docs/method.md").value_or("");
+    const size_t begin = help.find("  preset "), end = help.find("\n\n", begin);
+    REQUIRE(end != std::string::npos);
+    CHECK_THAT(docs, ContainsSubstring("```\n" + help.substr(begin, end - begin) + "\n```\n"));
+    CHECK_THAT(help, ContainsSubstring("\n  of its own limit  "));
+}
+
+TEST_CASE("a wrong word gets the nearest right one and the page that has it") {
+    checkRefused({
+        {{"bench", "--copis", "4"}, 2, "no option --copis; did you mean --copies? See skinbench bench --help"},
+        {{"verify", "--variant=mesh"}, 2, "no option --variant=mesh; did you mean --variants? See skinbench verify"},
+        {{"benhc"}, 2, "no subcommand 'benhc'; did you mean bench? See skinbench --help"},
+        {{"dance"}, 2, "no subcommand 'dance'; there is probe, bench, verify"},
+        {{"scene", "lst"}, 2, "no subcommand 'lst'; did you mean list? See skinbench scene --help"},
+        {{"bench", "--xyzzy"}, 2, "no option --xyzzy; see skinbench bench --help"},
+        {{"bench", "--copies", "0"}, 2, "--copies: '0' is not a number from 1 to 1000000; see skinbench bench --help"},
+        {{"bench", "--shape", "odd"}, 2, "--shape: no 'odd'; there is given, auto"},
+        {{"bench", "--warmup"}, 2, "--warmup needs a value; see skinbench bench --help"},
+        {{"bench", "--size", "5"}, 2, "--size '5' is not two numbers, as in 640x480"},
+        {{"bench", "a.glb", "b.glb"}, 2, "'b.glb' is one word too many; see skinbench bench --help"},
+        {{"bench", "--baseline", "mash"}, 2, "--baseline 'mash' is neither a variant (none, vertex"},
+        {{"bench", "--routes", "vk", "--baseline", "gl/vertex/uc"}, 2, "gl/vertex/uc is not among the cases"},
+        {{"verify", "./no/../such.glb", "--routes", "cpu"}, 2, "skinbench: ./no/../such.glb: there is no such file"},
+    });
+}
+
+TEST_CASE("a list prints the cases, what would be skipped, and what no case can have") {
+    const Words words = {"bench",           "--routes", "cpu,vk,gl", "--variants",
+                         "vertex,cpu,mesh", "--cull",   "compact",   "--list"};
+    const Outcome list = call(words);
+    CHECK(list.status == 0);
+    CHECK(list.out.starts_with("cpu/cpu/uc\n"));
+    CHECK_THAT(list.out, ContainsSubstring("\nvk/vertex/uc+pull"));
+    CHECK_THAT(list.out, ContainsSubstring("--variants  skipped: mesh needs vk-ext, vk-nv, gl-ext or gl-nv\n"));
+    CHECK_THAT(list.out, ContainsSubstring("--cull  skipped: --cull needs vk-ext, vk-nv, gl-ext or gl-nv\n"));
+    CHECK_THAT(list.err, ContainsSubstring("skinbench: 7 cases, "));
+    Words asJson = words;
+    asJson.push_back("--json");
+    const json found = json::parse(call(asJson).out, nullptr, false);
+    REQUIRE(found.is_object());
+    CHECK(found["cases"].size() == 7);
+    CHECK(found["unused"][0]["words"] == json{"mesh"});
+    CHECK(!fs::exists(pathOf("results")));
+}
+
 TEST_CASE("words that do not exist") {
     checkRefused({
         {{}, 2, "subcommand"},
@@ -88,7 +135,9 @@ TEST_CASE("words that do not exist") {
         {{"verify", "--routes", "cpu", "--variants", "mesh,vertex"}, 2, "none of these variants exists"},
         {{"render", "builtin:robot:2000", "--view", "x-ray", "-o", "x.png"}, 2, "no view 'x-ray'; there is shaded"},
         {{"render", "builtin:robot:2000", "--route", "dx", "-o", "x.png"}, 2, "no route 'dx'"},
-        {{"render", "builtin:robot:2000", "--route", "vk", "--variant", "mesh", "-o", "x.png"}, 2, "none of these"},
+        {{"render", "builtin:robot:2000", "--route", "vk", "--variant", "mesh", "-o", "x.png"},
+         2,
+         "none of these variants exists on these routes: mesh needs vk-ext, vk-nv, gl-ext or gl-nv"},
         {{"render", "builtin:robot:2000", "--route", "vk", "--view", "meshlets", "-o", "x.png"},
          2,
          "needs a mesh route"},

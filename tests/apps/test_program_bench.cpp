@@ -31,6 +31,10 @@ TEST_CASE("bench writes what it prints, and report makes a page of it") {
     REQUIRE(page);
     CHECK(printed["settings"]["copies"] == 2);
     CHECK(printed["settings"]["warmup"] == 0);
+    CHECK(
+        printed["command"] ==
+        "skinbench bench builtin:robot:2000 --copies 2 --frames 2 --rounds 1 --warmup 0 --size 320x180 --out run/deep "
+        "--json");
     for (const json& row : printed["cases"]) {
         const std::string id = row["id"], status = row["status"];
         INFO(id << ": " << row["reason"]);
@@ -103,6 +107,19 @@ TEST_CASE("bench writes what it prints, and report makes a page of it") {
             refused += outcome.status == 2;
         }
     CHECK(refused > 20);
+}
+
+TEST_CASE("what was asked for and exists on none of the routes is skipped with the reason") {
+    const Outcome bench = call({"bench", "builtin:robot:2000", "--routes", "cpu,vk", "--variants", "cpu,mesh", "--cull",
+                                "off", "--preset", "quick", "--size", "64x64", "--out", "it's unused"});
+    INFO(bench.err);
+    CHECK_THAT(bench.out, ContainsSubstring("\n--variants mesh ") &&
+                              ContainsSubstring("skipped: mesh needs vk-ext, vk-nv, gl-ext or gl-nv\n"));
+    CHECK_THAT(bench.out, ContainsSubstring("skipped: --cull needs vk-ext, vk-nv, gl-ext or gl-nv\n"));
+    const json results = json::parse(readWholeFile(pathOf("it's unused/results.json")).value_or(""), nullptr, false);
+    REQUIRE(results.is_object());
+    CHECK(results["unused"].size() == 2);
+    CHECK(results["command"].get<std::string>().ends_with("--out 'it'\\''s unused'"));
 }
 
 TEST_CASE("the self-test prepares its pairs anew in every round, a plain bench does not, unless it is told to") {

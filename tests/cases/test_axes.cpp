@@ -195,3 +195,33 @@ TEST_CASE("the limit of a case keeps what its draws are made of") {
     CHECK(limit("vk/cpu/uc") == "none");
     CHECK(limit("vk/vertex/uc+prepass") == "none");
 }
+
+TEST_CASE("words that no case has are reported with what they need") {
+    const auto reasonsOf = [](const AxisWords& words) {
+        const auto cases = crossCases(words);
+        REQUIRE(cases);
+        std::string text;
+        for (const Unused& unused : unusedWords(words, *cases)) text += unused.reason + "\n";
+        return text;
+    };
+    CHECK(reasonsOf({{"route", {"vk", "gl"}}, {"variant", {"vertex", "compute", "mesh"}}}) ==
+          "mesh needs vk-ext, vk-nv, gl-ext or gl-nv\n");
+    CHECK(reasonsOf({{"route", {"vk", "cpu"}}, {"variant", {"vertex"}}}) == "cpu needs the variant cpu\n");
+    CHECK(reasonsOf({{"route", {"vk"}}, {"builder", {"scan"}}, {"influences", {"4", "8"}}}) ==
+          "--builders needs vk-ext, vk-nv, gl-ext or gl-nv\n");
+    CHECK(reasonsOf({{"route", {"vk-ext"}}, {"variant", {"mesh"}}, {"ci_min", {"3"}}}) ==
+          "--ci-min needs the variant mesh-ci\n");
+    CHECK(reasonsOf({{"route", {"vk-ext"}}, {"index_writes", {"single"}}}) == "--index-writes needs vk-nv or gl-nv\n");
+    CHECK(reasonsOf({{"route", {"vk-ext"}}, {"exchange", {"shared"}}}) ==
+          "--exchange means nothing beside --cull off\n");
+    CHECK(reasonsOf({{"meshlet_limits", {"64/124", "meshopt"}}, {"cull", {"compact", "off"}}}).empty());
+    CHECK(reasonsOf({}).empty());
+}
+
+TEST_CASE("cases do the same work when they draw the same, however they skin") {
+    const auto caseOf = [](const char* id) { return parseCaseId(id).value(); };
+    CHECK(sameWork(caseOf("vk/vertex/uc"), caseOf("gl-nv/mesh/pc/meshopt/redirect+cull-compact")));
+    for (const char* other :
+         {"vk/vertex/uc+discard", "vk/vertex/uc+8-influences", "vk/vertex/uc+prepass", "vk/vertex/uc+keep-back-faces"})
+        CHECK(!sameWork(caseOf("vk/vertex/uc"), caseOf(other)));
+}

@@ -206,6 +206,29 @@ TEST_CASE("checkpoints come after every case and round; stopping keeps what was 
     CHECK(results->at(1).status == CaseStatus::skipped);
 }
 
+TEST_CASE("progress never falls, ends at 1, and gives the time left once something was timed") {
+    Workload workload = tinyWorkload(1);
+    BenchSettings settings;
+    settings.frames = 6;
+    settings.rounds = 3;
+    settings.precision = 1e-9;
+    settings.timeLimit = 0.05;
+    settings.limits = true;
+    Case eight = makeCase("cpu", "cpu");
+    eight.influences = 8;
+    std::vector<Progress> shown;
+    BenchEvents events;
+    events.progress = [&](const Progress& progress) { shown.push_back(progress); };
+    REQUIRE(runBench(workload, {makeCase("cpu", "cpu"), eight}, {}, settings, events));
+    REQUIRE(shown.size() > 8);
+    CHECK(std::ranges::is_sorted(shown, {}, &Progress::fraction));
+    CHECK(shown.front().fraction == 0);
+    CHECK(shown.back().fraction == 1);
+    CHECK(!shown.front().secondsLeft);
+    for (const Progress& progress : shown) CHECK(progress.secondsLeft.value_or(0) >= 0);
+    CHECK(shown[shown.size() - 2].secondsLeft);
+}
+
 TEST_CASE("raster modes of one case share its verification") {
     Workload workload = tinyWorkload(2);
     auto null = openNull(generousCaps(Api::vulkan));

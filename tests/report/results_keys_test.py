@@ -12,7 +12,8 @@ import sys
 program, page, folder = sys.argv[1:]
 SMALL = ["--copies", "1", "--frames", "2", "--size", "64x64"]
 RUNS = {  # skipped, prepass and host-skinned cases; pairs and limits
-    "cases": ["--routes", "cpu,vk,vk-ext,vk-nv", "--variants", "vertex,cpu,mesh-ci", "--scenario", "prepass"],
+    "cases": ["--routes", "cpu,vk,vk-ext,vk-nv", "--variants", "vertex,cpu,mesh-ci", "--scenario", "prepass",
+              "--compute", "plain"],
     "pairs": ["--routes", "cpu,vk-ext", "--variants", "cpu,mesh", "--self-test"],
 }
 
@@ -116,12 +117,13 @@ assert sorted(header) == sorted(columns), f"results.csv: {set(header) ^ set(colu
 of_device = {path: null for path, null in results.items()
              if path.startswith("devices[].") and not path.startswith("devices[].peak")}
 of_scene = {path: null for path, null in results.items() if path.startswith("scene.")}
-for name, arguments, more in (("probe", [], of_device),
+for name, arguments, more in (("bench --list", ["--variants", "vertex,mesh", "--routes", "vk,cpu"], {}),
+                              ("probe", [], of_device),
                               ("inspect", ["builtin:robot:2000"], of_scene),
                               ("partition", ["builtin:robot:2000", "--hardware", "generic"], {}),
                               ("compare", ["cases/results.json", "cases/results.json"], {})):
     described = chapters[f"{name} --json"] | more
     listed = {parent(path) for path in described}
-    found = walk(json.loads(run(name, *arguments, "--json")), "", {})
+    found = walk(json.loads(run(*name.split(), *arguments, "--json")), "", {})
     count += compare(name, described, found, lambda path: path not in listed and path + "[]" not in listed)
 print(f"{count} keys and {len(header)} columns, as {os.path.basename(page)} says")

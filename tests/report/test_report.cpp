@@ -136,8 +136,9 @@ TEST_CASE("the host has a name") {
 
 TEST_CASE("the result file has the keys of its schema") {
     const Json json = sample();
-    CHECK(keysOf(json) == Keys{"schema", "tool", "host", "devices", "scene", "settings", "environment", "warnings",
-                               "calibrations", "noise_floor", "self_test", "axes", "limits", "cases"});
+    CHECK(keysOf(json) == Keys{"schema", "tool", "host", "command", "devices", "scene", "settings", "environment",
+                               "warnings", "answers", "baseline", "unused", "calibrations", "noise_floor", "self_test",
+                               "axes", "limits", "cases"});
     CHECK(json["schema"] == "skinbench-results/1");
     CHECK(keysOf(json["tool"]) == Keys{"version", "revision", "build_type"});
     CHECK(keysOf(json["host"]) == Keys{"os", "cpu"});
@@ -153,10 +154,11 @@ TEST_CASE("the result file has the keys of its schema") {
     CHECK(json["devices"][0]["uuid"].is_null());
     CHECK(json["devices"][0]["label"] == "Lava <pipe> & co");
     for (const Json& row : json["cases"]) {
-        const Keys wanted = {"id",       "route",     "variant",         "codec",        "builder",  "layout",
-                             "cull",     "scenario",  "raster",          "options",      "status",   "reason",
-                             "gpu_ms",   "passes_ms", "unserialised_ms", "host_ms",      "limit_ms", "limit_id",
-                             "achieved", "counters",  "meshlets",        "memory_bytes", "accuracy"};
+        const Keys wanted = {"id",           "route",       "variant",     "codec",           "builder",  "layout",
+                             "cull",         "scenario",    "raster",      "options",         "work",     "status",
+                             "reason",       "gpu_ms",      "passes_ms",   "unserialised_ms", "host_ms",  "limit_ms",
+                             "limit_id",     "baseline_ms", "baseline_id", "achieved",        "counters", "meshlets",
+                             "memory_bytes", "accuracy"};
         CHECK(keysOf(row) == wanted);
         for (const auto& [option, value] : row["options"].items()) CHECK(value.is_string());
     }

@@ -316,9 +316,9 @@ TEST_CASE("what is no glTF at all") {
     CHECK_THAT(loadError("deep.gltf", bytesOf(deep)), ContainsSubstring("deeper"));
     CHECK_THAT(loadError("empty.gltf", bytesOf("{}")), ContainsSubstring("has no asset version"));
 
-    const auto missing = loadGltf((fixture::temporaryFolder() / "nothing.glb").string());
+    const auto missing = loadGltf("./no/nothing.glb");
     REQUIRE_FALSE(missing);
-    CHECK(missing.error().text == "nothing.glb: there is no such file");
+    CHECK(missing.error().text == "./no/nothing.glb: there is no such file");
     const auto folder = loadGltf(fixture::temporaryFolder().string());
     REQUIRE_FALSE(folder);
     CHECK_THAT(folder.error().text, ContainsSubstring("is a folder"));
@@ -370,7 +370,7 @@ TEST_CASE("random damage gives a scene or an error, never a crash") {
         if (!scene) {
             ++refused;
             REQUIRE(scene.error().fault == Fault::input);
-            REQUIRE(scene.error().text.starts_with("flip.glb: "));
+            REQUIRE(scene.error().text.contains("flip.glb: "));
             continue;
         }
         ++good;
@@ -402,7 +402,7 @@ TEST_CASE("random numbers in the JSON give a scene or an error, never a crash") 
         damaged.replace(at, end - at, numbers[random() % numbers.size()]);
         auto scene = loadGltf(fixture::writeText("numbers.gltf", damaged));
         if (!scene) {
-            REQUIRE(scene.error().text.starts_with("numbers.gltf: "));
+            REQUIRE(scene.error().text.contains("numbers.gltf: "));
             continue;
         }
         ++good;

@@ -86,9 +86,10 @@ TEST_CASE("data URIs in upper case are read") {
 
 TEST_CASE("a Git LFS pointer is named as one") {
     const std::string pointer = "version https://git-lfs.github.com/spec/v1\noid sha256:4d7a2146\nsize 12345\n";
-    const auto scene = loadGltf(fixture::writeText("pointer.glb", pointer));
+    const std::string path = fixture::writeText("pointer.glb", pointer);
+    const auto scene = loadGltf(path);
     REQUIRE_FALSE(scene);
-    CHECK(scene.error().text == "pointer.glb: is a Git LFS pointer, not the file itself; fetch it with git lfs pull");
+    CHECK(scene.error().text == path + ": is a Git LFS pointer, not the file itself; fetch it with git lfs pull");
     const Folder folder;
     std::ofstream(folder.inner / "lfs.bin") << pointer;
     CHECK_THAT(loadError(folder, "lfs.bin"), ContainsSubstring("lfs.bin: is a Git LFS pointer"));
@@ -100,7 +101,7 @@ TEST_CASE("a file name that is not UTF-8 becomes valid text") {
     CHECK(good->name == "caf\xEF\xBF\xBD");
     const auto bad = loadGltf((fixture::temporaryFolder() / "n\xFF.glb").string());
     REQUIRE_FALSE(bad);
-    CHECK(bad.error().text == "n\xEF\xBF\xBD.glb: there is no such file");
+    CHECK(bad.error().text.ends_with("/n\xEF\xBF\xBD.glb: there is no such file"));
 }
 
 TEST_CASE("JSON that is not UTF-8 is named as such with its place") {

@@ -397,7 +397,7 @@ Result<Scene> loadUnnamed(const std::string& path) {
 Result<Scene> loadGltf(const std::string& path) {
     const std::filesystem::path source(path);
     // Names end up in JSON, which holds UTF-8 only.
-    const std::string name = toUtf8(source.has_filename() ? source.filename().string() : path);
+    const std::string name = toUtf8(path);
     try {
         auto scene = loadUnnamed(path);
         if (!scene) return failed(name, scene.error());

@@ -1,6 +1,5 @@
-// Result files as tables for a terminal and for a spreadsheet.
+// Result files as tables for a spreadsheet.
 #include <algorithm>
-#include <format>
 
 #include "common/core/text.h"
 #include "common/report/columns.h"
@@ -49,37 +48,6 @@ std::string resultsCsv(const Json& results) {
         }
         text += "\n";
     }
-    return text;
-}
-
-std::string resultsTable(const Json& results) {
-    size_t width = 4;
-    for (const Json& row : results["cases"]) width = std::max(width, row["id"].get<std::string>().size());
-    auto lineOf = [&](const std::string& id, const auto& cellOf, const std::string& status) {
-        std::string line = std::format("{:<{}}  ", id, width);
-        for (const Column& column : columns())
-            if (column.terminal) line += std::format("{:>{}}  ", cellOf(column), column.terminal->width);
-        return line + status + "\n";
-    };
-    auto header = [](const Column& column) { return column.terminal->header; };
-    std::string text = lineOf("case", header, "status");
-    bool software = false;
-    for (const Json& row : results["cases"]) {
-        const bool marked = isSoftware(results, row) && !row["gpu_ms"].is_null();
-        software = software || marked;
-        auto cell = [&](const Column& column) {
-            return cellText(column, row) + (column.terminal->marked ? marked ? "*" : " " : "");
-        };
-        std::string status = row["status"];
-        if (!row["reason"].is_null()) status += ": " + terminalText(row["reason"].get<std::string>(), kLongestMessage);
-        text += lineOf(row["id"], cell, status);
-    }
-    for (const Json& warning : results.value("warnings", Json::array()))
-        text += "! " + terminalText(warning.get<std::string>(), kLongestMessage) + "\n";
-    if (results.contains("noise_floor") && results["noise_floor"].is_number())
-        text += std::format("equal cases differ by {:.2f} % at the most: smaller differences mean nothing\n",
-                            results["noise_floor"].get<double>() * 100);
-    if (software) text += "* software driver: shows that the path works, not how fast a GPU is\n";
     return text;
 }
 
