@@ -1,9 +1,10 @@
 #!/usr/bin/env bash
 # Builds the Debian 13 root folder (Mesa from trixie-backports) that ./run and ./test enter with bubblewrap.
-# usage: tools/make_root.sh ROOT_FOLDER        (works as root and, through user namespaces, as anybody else)
+# usage: tools/make_root.sh ROOT_FOLDER PACKAGE_LIST…
+# Works as root and, through user namespaces, as anybody else.
 set -euo pipefail
-here=$(cd "$(dirname "$0")" && pwd)
 root=$1
+shift
 
 # A host that already reads a Debian mirror names the nearest one; elsewhere mmdebstrap knows its own default.
 host_mirror() {
@@ -12,8 +13,8 @@ host_mirror() {
         awk '/^(deb|URIs:) / { for (i = 2; i <= NF && !found; ++i) if ($i ~ /:\/\/.*\/debian\/?$/) { print $i; found = 1 } }'
 }
 
-stable=$(sed -e 's/#.*//' -e '/^ *$/d' -e '/\//d' "$here/packages.txt" | paste -sd,)
-backported=$(sed -n 's/^\([^#]*\)\/trixie-backports$/\1/p' "$here/packages.txt" | paste -sd' ')
+stable=$(sed -e 's/#.*//' -e '/^ *$/d' -e '/\//d' "$@" | paste -sd,)
+backported=$(sed -n 's/^\([^#]*\)\/trixie-backports$/\1/p' "$@" | paste -sd' ')
 mirror=$(host_mirror)
 mkdir -p "$(dirname "$root")"
 work=$(mktemp -d "$root.XXXXXX")
@@ -30,4 +31,5 @@ mmdebstrap --quiet --variant=apt --include="$stable" --skip=output/dev \
     --customize-hook="chroot \"\$1\" apt-get -q install -y --no-install-recommends -t trixie-backports $backported" \
     --customize-hook='chroot "$1" apt-get clean' \
     trixie - ${mirror:+"$mirror"} | tar -C "$work/root" --no-same-owner --exclude='./dev/*' -xf -
-mv "$work/root" "$root"
+# Where another call was first, its root is as good. Without -T this one would land inside it.
+[ -d "$root" ] || mv -T "$work/root" "$root" || [ -d "$root" ]

@@ -12,8 +12,8 @@
 #include <glm/glm.hpp>
 #include <glm/integer.hpp>
 
-#include "common/codecs/codec.h"
 #include "shaders_glsl/shared.h"
+#include "tests/codecs/shader_decoders.h"
 
 namespace skinbench::glsl {
 
@@ -66,23 +66,6 @@ struct Numbers {
     vec2 uvExtent{0};
 };
 inline Numbers numbers;
-
-struct Decoded {
-    vec3 position{0};
-    vec3 normal{0};
-    vec2 uv{0};
-    std::array<uint, kMaxInfluences> joints{};
-    std::array<float, kMaxInfluences> weights{};
-};
-
-struct Decoder {
-    const char* codec;
-    int influences;
-    uint vertexBytes;  // 0: the codec does not say
-    uint alignment;
-    uint bits;  // of a permutation code
-    Decoded (*load)(uint place, uint copyNumber, uint meshletNumber, uint blendBytes);
-};
 
 }  // namespace skinbench::glsl
 

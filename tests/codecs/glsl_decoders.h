@@ -1,4 +1,4 @@
-// Every decoder that the test compiles as C++, each in a namespace of its own.
+// Every decoder that shader_decoders.cpp compiles as C++, each in a namespace of its own.
 #pragma once
 
 #include "tests/codecs/glsl_cpp.h"

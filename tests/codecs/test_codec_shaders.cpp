@@ -13,7 +13,7 @@
 #include "common/codecs/simplex.h"
 #include "tests/cases.h"
 #include "tests/codec_test.h"
-#include "tests/codecs/glsl_decoders.h"
+#include "tests/codecs/shader_decoders.h"
 #include "tests/glslang_check.h"
 
 using namespace skinbench;
@@ -21,110 +21,6 @@ using namespace skinbench::test;
 using nlohmann::json;
 
 namespace {
-
-// The integers of a define's text: its literals with a suffix, or the whole text.
-std::vector<uint32_t> literals(const std::string& text) {
-    std::vector<uint32_t> values;
-    for (size_t i = 0; i < text.size(); ++i) {
-        if (!std::isdigit(static_cast<unsigned char>(text[i]))) continue;
-        size_t length = 0;
-        const auto value = static_cast<uint32_t>(std::stoul(text.substr(i), &length, 0));
-        i += length;
-        if (i == text.size() || text[i] == 'u') values.push_back(value);
-    }
-    return values;
-}
-
-template <class Vector>
-void setFloats(Vector& vector, const std::vector<uint32_t>& bits) {
-    REQUIRE(bits.size() == static_cast<size_t>(Vector::length()));
-    for (int i = 0; i < Vector::length(); ++i) vector[i] = std::bit_cast<float>(bits[static_cast<size_t>(i)]);
-}
-
-// Hands an encoder's defines to the decoder, those that it was compiled with excepted: they must agree.
-void setDefines(const glsl::Decoder& decoder, const EncodedMesh& encoded) {
-    glsl::Numbers& n = glsl::numbers;
-    n = {};
-    n.vertexCount = encoded.vertexCount;
-    glsl::lists["SECTIONS"].clear();
-    const std::map<std::string, uint32_t*> known = {{"BUFFER_WORDS", &n.bufferWords}, {"TUPLE_COUNT", &n.tupleCount},
-                                                    {"MOST_TUPLES", &n.mostTuples},   {"PC_VALUES", &n.values},
-                                                    {"OSS_BITS", &n.simplexBits},     {"OSS_POINTS", &n.simplexPoints}};
-    const std::map<std::string, uint32_t> compiled = {
-        {"VERTEX_BYTES", decoder.vertexBytes}, {"VERTEX_ALIGNMENT", decoder.alignment}, {"PC_BITS", decoder.bits}};
-    for (const auto& [name, text] : encoded.defines) {
-        INFO("define " << name << " " << text);
-        const std::vector<uint32_t> values = literals(text);
-        if (name == "POSITION_MIN") {
-            setFloats(n.positionMin, values);
-        } else if (name == "POSITION_EXTENT") {
-            setFloats(n.positionExtent, values);
-        } else if (name == "UV_MIN") {
-            setFloats(n.uvMin, values);
-        } else if (name == "UV_EXTENT") {
-            setFloats(n.uvExtent, values);
-        } else if (name == "SECTIONS" || name == "PC_EXTRA") {
-            glsl::lists[name] = values;
-        } else {
-            REQUIRE(values.size() == 1);
-            REQUIRE((known.contains(name) || compiled.contains(name)));
-            if (known.contains(name)) *known.at(name) = values[0];
-            if (compiled.contains(name)) CHECK(compiled.at(name) == values[0]);
-        }
-    }
-}
-
-// Binds `copies` copies; all but the last are noise.
-void bind(int slot, const Bytes& bytes, uint32_t copies) {
-    std::vector<uint32_t>& words = glsl::memory[static_cast<size_t>(slot)];
-    words.clear();
-    if (!bytes) return;
-    REQUIRE(bytes->size() % 4 == 0);
-    const size_t count = bytes->size() / 4;
-    Random random(91);
-    words.resize(count * copies);
-    for (uint32_t& word : words) word = static_cast<uint32_t>(random.next());
-    if (count > 0) std::memcpy(&words[count * (copies - 1)], bytes->data(), bytes->size());
-}
-
-// Bit for bit, but for the weights of oss: the CPU rounds them from double precision.
-bool differs(const glsl::Decoded& got, const Mesh& expected, uint32_t v, float tolerance) {
-    bool wrong =
-        got.position != expected.positions[v] || got.normal != expected.normals[v] || got.uv != expected.uvs[v];
-    const Influences& influences = expected.influences[v];
-    for (size_t i = 0; i < kMaxInfluences; ++i) {
-        wrong |= !(std::abs(got.weights[i] - influences.weights[i]) <= tolerance);
-        wrong |= influences.weights[i] == 0 && got.weights[i] != 0;
-        wrong |= influences.weights[i] != 0 && got.joints[i] != influences.joints[i];
-        wrong |= influences.weights[i] == 0 && influences.joints[i] == kNoJoint && got.joints[i] == kNoJoint;
-    }
-    return wrong;
-}
-
-// Decodes every vertex of the last of `copies` copies as the shader does and counts those that differ from the CPU's.
-uint64_t countWrong(const glsl::Decoder& decoder, const EncodedMesh& encoded, const Mesh& expected, uint32_t copies) {
-    setDefines(decoder, encoded);
-    bind(SLOT_VERTEX, encoded.vertices, copies);
-    bind(SLOT_TUPLE, encoded.tuples, copies);
-    bind(SLOT_MESHLET_EXTRA, encoded.meshletExtra, copies);
-    const float tolerance = std::string(decoder.codec).starts_with("oss") ? 0x1p-24f : 0.0f;
-    const uint32_t copy = copies - 1;
-    uint64_t wrong = 0;
-    if (!encoded.meshlets) {
-        for (uint32_t v = 0; v < encoded.vertexCount; ++v)
-            wrong += differs(decoder.load(copy * encoded.vertexCount + v, copy, 0, 0), expected, v, tolerance);
-        return wrong;
-    }
-    const MeshletMesh& cut = *encoded.meshlets;
-    glsl::numbers.meshletCount = static_cast<uint32_t>(cut.meshlets.size());
-    for (uint32_t m = 0; m < cut.meshlets.size(); ++m)
-        for (uint32_t i = 0; i < cut.meshlets[m].vertexCount; ++i) {
-            const uint32_t v = cut.vertices[cut.meshlets[m].firstVertex + i];
-            wrong += differs(decoder.load(copy * encoded.vertexCount + v, copy, m, encoded.blendBytes[m]), expected, v,
-                             tolerance);
-        }
-    return wrong;
-}
 
 // What was decoded lies within the codec's error of what it came from.
 void checkSources(const Mesh& mesh, const EncodedMesh& encoded, const Mesh& decoded) {
@@ -168,17 +64,19 @@ int mostInfluences(const Mesh& mesh) {
 // Names of the decoders that could decode the mesh.
 std::set<std::string> checkMesh(const Mesh& mesh, const MeshletMesh& meshlets) {
     std::set<std::string> done;
-    for (const glsl::Decoder* decoder : glsl::kDecoders) {
+    for (const glsl::Decoder* decoder : glsl::decoders()) {
         INFO("codec " << decoder->codec << ", " << decoder->influences << " influences");
         if (mostInfluences(mesh) > decoder->influences) continue;
         const auto encoded = encodeFor(*decoder, mesh, meshlets);
         if (!encoded) continue;
         const Mesh decoded = decodeOnCpu(mesh, *encoded);
         checkSources(mesh, *encoded, decoded);
-        glsl::readsOutside = 0;
-        CHECK(countWrong(*decoder, *encoded, decoded, 1) == 0);
-        CHECK(countWrong(*decoder, *encoded, decoded, 3) == 0);
-        CHECK(glsl::readsOutside == 0);
+        for (const uint32_t copies : {1u, 3u}) {
+            const glsl::Differences differences = glsl::compareDecoded(*decoder, *encoded, decoded, copies);
+            CHECK(differences.fault == "");
+            CHECK(differences.vertices == 0);
+            CHECK(differences.readsOutside == 0);
+        }
         done.insert(decoder->codec);
     }
     return done;
@@ -256,30 +154,6 @@ TEST_CASE("shader decoders: real models") {
     }
 }
 
-namespace {
-
-// The text's result for one code, in the order of PermutationBlend.
-template <class Blend>
-PermutationBlend ascending(const PermutationCode& code, const Blend& blend) {
-    PermutationBlend result;
-    result.tuple = blend.tuple;
-    for (int i = 0; i <= code.entries; ++i) result.weights[i] = blend.weights[code.entries - i];
-    return result;
-}
-
-PermutationBlend decodeAsShader(const PermutationCode& code, uint64_t value) {
-    glsl::numbers.values = code.values;
-    glsl::lists["PC_EXTRA"].assign(code.extra.begin(), code.extra.begin() + code.entries);
-    const glm::uvec2 words(static_cast<uint32_t>(value), static_cast<uint32_t>(value >> 32));
-    if (code.entries == 7)
-        return code.bits > 32 ? ascending(code, glsl::pc8::decodePermutation(words))
-                              : ascending(code, glsl::pc32x8::decodePermutation(words));
-    return code.bits > 32 ? ascending(code, glsl::pc64::decodePermutation(words))
-                          : ascending(code, glsl::pc4::decodePermutation(words));
-}
-
-}  // namespace
-
 TEST_CASE("shader decoders: any permutation code that the CPU takes") {
     std::vector<PermutationCode> codes = {kPermutationPc, kPermutationDpdc16, kPermutationDpdc16Text,
                                           kPermutationDpdc16Mixed};
@@ -301,7 +175,7 @@ TEST_CASE("shader decoders: any permutation code that the CPU takes") {
             const auto expected = decodePermutation(code, value);
             if (!expected) continue;
             ++taken;
-            wrong += !(decodeAsShader(code, value) == *expected);
+            wrong += !(glsl::decodePermutation(code, value) == *expected);
         }
         CHECK(taken >= 100'000);
         CHECK(wrong == 0);
@@ -311,10 +185,9 @@ TEST_CASE("shader decoders: any permutation code that the CPU takes") {
 TEST_CASE("shader decoders: every simplex code") {
     for (const int bits : {8, 16, 22}) {
         const SimplexCode code = *makeSimplexCode(bits);
-        glsl::numbers.simplexPoints = static_cast<uint32_t>(code.n);
         float most = 0;
         for (uint32_t value = 0; value < code.count; ++value) {
-            const glm::vec4 got = glsl::simplex16::simplexWeights(value);
+            const glm::vec4 got = glsl::simplexWeights(static_cast<uint32_t>(code.n), value);
             const glm::vec4 expected = *decodeSimplex(code, value);
             for (int i = 0; i < 4; ++i) most = std::max(most, std::abs(got[i] - expected[i]));
         }
@@ -335,7 +208,7 @@ TEST_CASE("shader decoders: reference vectors") {
         if (k != 4 && k != 8) continue;
         for (const json& row : config["rows"]) {
             const auto cells = row.get<std::vector<uint32_t>>();
-            const auto got = decodeAsShader(code, cells[k + 1] | uint64_t{cells[k + 2]} << 32);
+            const auto got = glsl::decodePermutation(code, cells[k + 1] | uint64_t{cells[k + 2]} << 32);
             wrong += got.tuple != cells[k];
             for (size_t i = 0; i < k; ++i)
                 wrong +=
@@ -345,10 +218,10 @@ TEST_CASE("shader decoders: reference vectors") {
     }
     const json simplex = json::parse(std::ifstream(folder + "/oss.json"));
     for (const json& config : simplex["configs"]) {
-        glsl::numbers.simplexPoints = config["N"].get<uint32_t>();
+        const auto points = config["N"].get<uint32_t>();
         for (const json& row : config["rows"]) {
             const auto cells = row.get<std::vector<uint32_t>>();
-            const glm::vec4 got = glsl::simplex16::simplexWeights(cells[4]);
+            const glm::vec4 got = glsl::simplexWeights(points, cells[4]);
             for (int i = 0; i < 4; ++i) wrong += !(std::abs(got[i] - std::bit_cast<float>(cells[5 + i])) <= 2.5e-7f);
             ++rows;
         }
@@ -384,7 +257,7 @@ TEST_CASE("every codec row can be found, and its names are unique") {
         CHECK(names.insert(codec.name).second);
         CHECK(findCodec(codec.name) == &codec);
     }
-    for (const glsl::Decoder* decoder : glsl::kDecoders) names.erase(decoder->codec);
+    for (const glsl::Decoder* decoder : glsl::decoders()) names.erase(decoder->codec);
     CHECK(names.empty());
 }
 
@@ -425,7 +298,7 @@ void main() {
 )";
     const Mesh mesh = randomMesh(90, 200, 20);
     const MeshletMesh meshlets = cutMeshlets(mesh);
-    for (const glsl::Decoder* decoder : glsl::kDecoders) {
+    for (const glsl::Decoder* decoder : glsl::decoders()) {
         const auto encoded = encodeFor(*decoder, mesh, meshlets);
         if (!encoded) continue;
         const Codec* codec = findCodec(decoder->codec);

@@ -1,6 +1,7 @@
 // A small valid skinned glTF, made in memory, for tests to break or to vary; and the folder of real models.
 #pragma once
 
+#include <algorithm>
 #include <cstdint>
 #include <cstdlib>
 #include <cstring>
@@ -93,8 +94,41 @@ struct Gltf {
     json& primitive(int index = 0) { return tree["meshes"][0]["primitives"][index]; }
     int accessor(const std::string& attribute) { return primitive()["attributes"][attribute]; }
 
-    std::string asText() const {
+    // The tree with min and max of every packed accessor of floats that has none, as the specification asks.
+    json withBounds() const {
         json copy = tree;
+        const auto number = [](const json& object, const char* key, size_t missing) {
+            const bool there = object.is_object() && object.contains(key) && object[key].is_number_integer();
+            return there && object[key].get<int64_t>() >= 0 ? object[key].get<size_t>() : missing;
+        };
+        if (!copy.contains("accessors") || !copy.contains("bufferViews")) return copy;
+        for (json& accessor : copy["accessors"]) {
+            const size_t view = number(accessor, "bufferView", SIZE_MAX), count = number(accessor, "count", 0);
+            if (view >= copy["bufferViews"].size() || number(accessor, "componentType", 0) != 5126) continue;
+            if (accessor.contains("min") || accessor.contains("max") || count > bin.size()) continue;
+            const json type = accessor.contains("type") ? accessor["type"] : json();
+            const size_t width = type == "SCALAR" ? 1 : 3, step = width * sizeof(float);
+            const size_t offset =
+                number(copy["bufferViews"][view], "byteOffset", 0) + number(accessor, "byteOffset", 0);
+            if ((width == 3 && type != "VEC3") || count == 0) continue;
+            if (offset > bin.size() || offset + count * step > bin.size()) continue;
+            std::vector<float> values(count * width);
+            std::memcpy(values.data(), &bin[offset], count * step);
+            for (size_t c = 0; c < width; ++c) {
+                float low = values[c], high = low;
+                for (size_t i = c; i < values.size(); i += width) {
+                    low = std::min(low, values[i]);
+                    high = std::max(high, values[i]);
+                }
+                accessor["min"].push_back(low);
+                accessor["max"].push_back(high);
+            }
+        }
+        return copy;
+    }
+
+    std::string asText() const {
+        json copy = withBounds();
         if (!copy.contains("buffers"))
             copy["buffers"] = {
                 {{"byteLength", bin.size()}, {"uri", "data:application/octet-stream;base64," + base64(bin)}}};
@@ -102,7 +136,7 @@ struct Gltf {
     }
 
     std::vector<uint8_t> asGlb() const {
-        json copy = tree;
+        json copy = withBounds();
         if (!copy.contains("buffers")) copy["buffers"] = {{{"byteLength", bin.size()}}};
         std::string text = copy.dump();
         while (text.size() % 4 != 0) text += ' ';

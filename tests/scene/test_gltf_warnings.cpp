@@ -71,6 +71,22 @@ const std::vector<Case> kCases = {
          g.tree["nodes"][1].erase("children");
          g.tree["scenes"][0]["nodes"].push_back(2);
      }},
+    {"1 skin names a skeleton that is not above all its joints", [](Gltf& g) { g.tree["skins"][0]["skeleton"] = 2; }},
+    {"1 skin names a skeleton that is not above all its joints", [](Gltf& g) { g.tree["skins"][0]["skeleton"] = 99; }},
+    {"1 skin names a skeleton that is not above all its joints",
+     [](Gltf& g) { g.tree["skins"][0]["skeleton"] = "hips"; }},
+    {"1 accessor of positions or key times lacks min and max",
+     [](Gltf& g) {
+         g.tree["accessors"][0]["min"] = {0, 0, 0};
+         g.tree["accessors"][0]["max"] = {1, 1, 0.5};
+     }},
+    {"1 accessor of positions or key times lacks min and max", [](Gltf& g) { g.tree["accessors"][0]["min"] = "none"; }},
+    {"1 accessor of positions or key times lacks min and max",
+     [](Gltf& g) {
+         g.tree["accessors"][7]["min"] = {0.25};
+         g.tree["accessors"][7]["max"] = {1};
+     }},
+    {"1 key has a rotation that is not of unit length", [](Gltf& g) { g.poke<float>(8, 3, 2); }},
     {"1 extension is used but not listed in extensionsUsed",
      [](Gltf& g) { g.tree["nodes"][1]["extensions"]["MSFT_lod"] = json::object(); }},
     {"1 primitive has a skin but no JOINTS_0 and WEIGHTS_0",
@@ -118,6 +134,26 @@ TEST_CASE("each deviation is one warning, and the file loads") {
         REQUIRE(scene->warnings.size() == 1);
         CHECK_THAT(scene->warnings[0], ContainsSubstring(one.warning));
     }
+}
+
+TEST_CASE("a skeleton may be any node above all joints") {
+    for (const int skeleton : {1, 3}) {
+        Gltf g = fixture::small();
+        g.tree["nodes"].push_back({{"children", {1}}});
+        g.tree["scenes"][0]["nodes"] = {0, 3};
+        g.tree["skins"][0]["skeleton"] = skeleton;
+        const auto scene = g.load();
+        REQUIRE(scene);
+        CHECK(scene->warnings.empty());
+    }
+}
+
+TEST_CASE("bounds may be wider than the vertices that triangles use") {
+    Gltf g = fixture::small();
+    g.primitive()["indices"] = g.add<uint16_t>({0, 1, 2}, 5123, "SCALAR");
+    const auto scene = g.load();
+    REQUIRE(scene);
+    CHECK(scene->warnings.empty());
 }
 
 TEST_CASE("a part that nothing uses may be broken") {

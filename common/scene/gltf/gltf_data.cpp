@@ -242,6 +242,17 @@ void readElement(const GltfColumn& column, uint64_t element, float* out, bool no
 
 void readElement(const GltfColumn& column, uint64_t element, uint32_t* out) { readAny(column, element, false, out); }
 
+void noteBounds(GltfData& data, int accessor, const GltfBounds& found, bool all, GltfNotes& notes) {
+    const GltfAccessor& source = data.accessors[accessor];
+    if (source.component != kGltfF32) return;
+    bool good = source.bounds.min.size() == found.min.size() && source.bounds.max.size() == found.max.size();
+    for (size_t c = 0; good && c < found.min.size(); ++c) {
+        const float min = source.bounds.min[c], max = source.bounds.max[c];
+        good = all ? min == found.min[c] && max == found.max[c] : min <= found.min[c] && max >= found.max[c];
+    }
+    if (!good && data.wrongBounds.insert(accessor).second) notes.add(GltfNote::wrongBounds);
+}
+
 Result<std::vector<float>> readFloats(GltfData& data, int accessor, int components, bool normalized, uint64_t count) {
     const auto column = openColumn(data, accessor, components);
     SKINBENCH_TRY(column);

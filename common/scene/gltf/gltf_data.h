@@ -6,12 +6,14 @@
 #include <map>
 #include <memory>
 #include <optional>
+#include <set>
 #include <span>
 #include <string>
 #include <utility>
 #include <vector>
 
 #include "common/core/result.h"
+#include "common/scene/gltf/gltf_notes.h"
 
 namespace skinbench {
 
@@ -64,6 +66,11 @@ struct GltfSparse {
     uint64_t valueOffset = 0;
 };
 
+// What an accessor says of its own elements, a number each component; empty where it says nothing of that size.
+struct GltfBounds {
+    std::vector<float> min, max;
+};
+
 struct GltfAccessor {
     int view = -1;  // -1: zeros
     uint64_t offset = 0;
@@ -72,6 +79,7 @@ struct GltfAccessor {
     int components = 0;  // 1 for SCALAR … 16 for MAT4
     bool normalized = false;
     std::optional<GltfSparse> sparse;
+    GltfBounds bounds;
     std::string fault;
 };
 
@@ -100,6 +108,7 @@ struct GltfData {
     std::vector<std::vector<uint8_t>> storage;           // of decompressed views
     GltfBudget budget;
     bool quantization = false;  // the file uses KHR_mesh_quantization
+    std::set<int> wrongBounds;  // accessors that were noted
 };
 
 // Opened once and shared. Errors name the accessor.
@@ -111,6 +120,10 @@ Result<const GltfColumn*> openIndexColumn(GltfData& data, int accessor, int comp
 // `column.components` values. Integers are divided by their range where the accessor says so, or with `normalized`.
 void readElement(const GltfColumn& column, uint64_t element, float* out, bool normalized = false);
 void readElement(const GltfColumn& column, uint64_t element, uint32_t* out);
+
+// Notes an accessor of floats whose bounds are missing or other than `found`. Where only a part of its elements was
+// read, bounds may be wider. glTF 2.0, section 3.6.2.5.
+void noteBounds(GltfData& data, int accessor, const GltfBounds& found, bool all, GltfNotes& notes);
 
 // The first `count` elements, or all.
 Result<std::vector<float>> readFloats(GltfData& data, int accessor, int components, bool normalized = false,

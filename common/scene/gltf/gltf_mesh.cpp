@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <format>
+#include <limits>
 #include <numeric>
 #include <span>
 
@@ -290,12 +291,17 @@ Result<void> readVertices(GltfData& data, const GltfPrimitive& primitive, const 
     noteFormat(data, **positions, Use::position, notes);
     const uint64_t count = (*positions)->count;
     out.mesh.positions.resize(out.fileVertex.size());
+    glm::vec3 low(std::numeric_limits<float>::infinity()), high = -low;
     for (size_t v = 0; v < out.fileVertex.size(); ++v) {
         glm::vec3& p = out.mesh.positions[v];
         readElement(**positions, out.fileVertex[v], &p.x);
         if (!std::isfinite(p.x) || !std::isfinite(p.y) || !std::isfinite(p.z))
             return inputError(std::format("POSITION: vertex {} is not finite", out.fileVertex[v]));
+        low = glm::min(low, p);
+        high = glm::max(high, p);
     }
+    noteBounds(data, find(primitive, "POSITION"), {{low.x, low.y, low.z}, {high.x, high.y, high.z}},
+               out.fileVertex.size() == count, notes);
     if (auto ok = readUvs(data, find(primitive, "TEXCOORD_0"), count, out, notes); !ok) return ok;
     const auto sets = openSets(data, primitive, count, notes);
     SKINBENCH_TRY(sets);

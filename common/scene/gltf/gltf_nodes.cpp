@@ -101,13 +101,22 @@ std::vector<bool> mirroredNodes(const Skeleton& skeleton) {
     return mirrored;
 }
 
-std::vector<uint32_t> rootsOf(const Skeleton& skeleton) {
-    std::vector<uint32_t> roots(skeleton.nodes.size());
-    for (size_t i = 0; i < roots.size(); ++i) {
+Subtrees subtreesOf(const Skeleton& skeleton) {
+    const size_t count = skeleton.nodes.size();
+    Subtrees out{std::vector<uint32_t>(count), std::vector<uint32_t>(count), std::vector<uint32_t>(count, 1)};
+    for (size_t i = count; i-- > 0;)
+        if (const int32_t parent = skeleton.nodes[i].parent; parent >= 0) out.count[parent] += out.count[i];
+    std::vector<uint32_t> next(count);  // of each node's children
+    uint32_t nextRoot = 0;
+    for (size_t i = 0; i < count; ++i) {
         const int32_t parent = skeleton.nodes[i].parent;
-        roots[i] = parent < 0 ? static_cast<uint32_t>(i) : roots[parent];
+        uint32_t& place = parent < 0 ? nextRoot : next[parent];
+        out.roots[i] = parent < 0 ? static_cast<uint32_t>(i) : out.roots[parent];
+        out.first[i] = place;
+        next[i] = place + 1;
+        place += out.count[i];
     }
-    return roots;
+    return out;
 }
 
 }  // namespace skinbench

@@ -46,7 +46,15 @@ std::vector<bool> hiddenNodes(const NodeOrder& order, const std::set<size_t>& hi
 // The sign of the determinant of each node's global transform in the rest pose, by our index.
 std::vector<bool> mirroredNodes(const Skeleton& skeleton);
 
-// The root above each node, or the node itself, by our index.
-std::vector<uint32_t> rootsOf(const Skeleton& skeleton);
+// What hangs below each node, by our index.
+struct Subtrees {
+    std::vector<uint32_t> roots;         // above each node, or the node itself
+    std::vector<uint32_t> first, count;  // numbers of a walk: those below a node, itself included, follow each other
+
+    bool holds(uint32_t top, uint32_t node) const {
+        return first[node] >= first[top] && first[node] - first[top] < count[top];
+    }
+};
+Subtrees subtreesOf(const Skeleton& skeleton);
 
 }  // namespace skinbench

@@ -54,6 +54,12 @@ constexpr std::array<Words, static_cast<size_t>(GltfNote::count)> kWords = {{
     {"extension is used but not listed in extensionsUsed", "extensions are used but not listed in extensionsUsed"},
     {"bufferView has a byteStride of 0; taken as tightly packed",
      "bufferViews have a byteStride of 0; taken as tightly packed"},
+    {"accessor of positions or key times lacks min and max, or has other ones than its data; they are not used",
+     "accessors of positions or key times lack min and max, or have other ones than their data; they are not used"},
+    {"skin names a skeleton that is not above all its joints; it is not used",
+     "skins name a skeleton that is not above all their joints; it is not used"},
+    {"key has a rotation that is not of unit length; normalised",
+     "keys have a rotation that is not of unit length; normalised"},
 }};
 
 // Where the number says nothing or more than a number has to be said.

@@ -38,6 +38,9 @@ enum class GltfNote {
     hiddenNodes,
     undeclaredExtensions,
     zeroStrides,
+    wrongBounds,
+    wrongSkeletons,
+    longRotationKeys,
     count
 };
 

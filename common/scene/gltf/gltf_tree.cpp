@@ -197,12 +197,23 @@ Result<void> checkSparse(json& sparse, const std::string& where) {
     return {};
 }
 
-Result<void> checkAccessor(json& accessor, const std::string& where, FoundExtensions& found) {
+// Takes the list away. Empty: it is missing, or holds anything but a few numbers.
+std::vector<float> takeBound(json& accessor, const char* key) {
+    const auto it = accessor.find(key);
+    if (it == accessor.end()) return {};
+    std::vector<float> bound;
+    if (it->is_array() && it->size() <= 16 && std::ranges::all_of(*it, [](const json& v) { return v.is_number(); }))
+        for (const json& value : *it) bound.push_back(value.get<float>());
+    accessor.erase(it);
+    return bound;
+}
+
+Result<void> checkAccessor(json& accessor, size_t index, const std::string& where, GltfTree& out) {
     for (const char* key : {"componentType", "count", "type"})
         if (!accessor.contains(key)) return inputError(where + " has no " + key);
-    accessor.erase("min");
-    accessor.erase("max");
-    takeExtensions(accessor, found);
+    if (GltfBounds bounds{takeBound(accessor, "min"), takeBound(accessor, "max")}; !bounds.min.empty())
+        out.bounds[index] = std::move(bounds);
+    takeExtensions(accessor, out.extensions);
     if (auto ok = wholeNumbers(accessor, where, {"bufferView", "componentType"}); !ok) return ok;
     if (auto ok = wholeNumbers(accessor, where, {"byteOffset", "count"}, kMaxGltfSize); !ok) return ok;
     constexpr std::array<int, 6> kComponents = {kGltfI8, kGltfU8, kGltfI16, kGltfU16, kGltfU32, kGltfF32};
@@ -332,7 +343,10 @@ Result<void> checkAnimation(json& animation, const std::string& where, FoundExte
 
 Result<void> checkSkin(json& skin, const std::string& where, GltfTree& out) {
     takeExtensions(skin, out.extensions);
-    skin.erase("skeleton");
+    if (const auto it = skin.find("skeleton"); it != skin.end() && !wholeNumber(*it, where, kMaxIndex)) {
+        out.notes.add(GltfNote::wrongSkeletons);
+        skin.erase(it);
+    }
     if (!skin.contains("joints")) return inputError(where + ": has no joints");
     if (auto ok = wholeNumbers(skin, where, {"inverseBindMatrices"}); !ok) return ok;
     return wholeNumberArray(skin, where, "joints");
@@ -346,9 +360,9 @@ Result<void> checkObjects(json& tree, GltfTree& out) {
     auto ok = forEachPart(tree, "bufferViews", "bufferView", noView, out.views,
                           [&](json& view, size_t i, const std::string& p) { return checkBufferView(view, i, p, out); });
     if (!ok) return ok;
-    ok = forEachPart(
-        tree, "accessors", "accessor", noAccessor, out.accessors,
-        [&](json& accessor, size_t, const std::string& p) { return checkAccessor(accessor, p, out.extensions); });
+    ok =
+        forEachPart(tree, "accessors", "accessor", noAccessor, out.accessors,
+                    [&](json& accessor, size_t i, const std::string& p) { return checkAccessor(accessor, i, p, out); });
     if (!ok) return ok;
     const json accessors = tree.value("accessors", json::array());
     ok = forEachPart(tree, "meshes", "mesh", noMesh, out.meshes,

@@ -27,7 +27,8 @@ struct GltfTree {
     std::set<size_t> hidden;                  // nodes
     GltfFaults views, accessors, meshes, skins, animations;  // each is an empty one in `json`
     FoundExtensions extensions;
-    bool quantization = false;  // KHR_mesh_quantization is listed
+    std::map<size_t, GltfBounds> bounds;  // of accessors
+    bool quantization = false;            // KHR_mesh_quantization is listed
     GltfNotes notes;
 };
 

@@ -96,6 +96,8 @@ GltfData makeData(const tinygltf::Model& model, const GltfFile& file) {
             accessor.sparse =
                 GltfSparse{static_cast<uint64_t>(sparse.count), sparse.indices.bufferView, sparse.indices.byteOffset,
                            sparse.indices.componentType,        sparse.values.bufferView,  sparse.values.byteOffset};
+        if (const auto bounds = file.tree.bounds.find(i); bounds != file.tree.bounds.end())
+            accessor.bounds = bounds->second;
         if (const auto fault = file.tree.accessors.find(i); fault != file.tree.accessors.end())
             accessor.fault = fault->second;
         data.accessors.push_back(std::move(accessor));
@@ -123,20 +125,22 @@ struct Importer {
     std::map<int, uint32_t> skinJoints;   // skin -> its first joint
     std::map<int, uint16_t> rigidJoints;  // node -> its joint
     std::vector<bool> mirrored;           // by our node index, in the rest pose
-    std::vector<uint32_t> roots;          // of each node's hierarchy, by our index
+    Subtrees subtrees;
 };
 
-// glTF 2.0, section 3.7.3.2.
-void noteSkin(const Importer& in, uint32_t first) {
+// glTF 2.0, section 3.7.3.2. `root`: the node that the skin calls its skeleton, or -1.
+void noteSkin(const Importer& in, uint32_t first, int root) {
     const Skeleton& skeleton = in.scene.skeleton;
     GltfNotes& notes = in.notes;
     std::set<uint32_t> nodes;
     bool apart = false, repeated = false;
-    const uint32_t root = in.roots[skeleton.joints[first].node];
+    const uint32_t ours = contains(in.model.nodes, root) ? in.order.place[root] : 0;
+    bool above = root < 0 || contains(in.model.nodes, root);
     for (size_t j = first; j < skeleton.joints.size(); ++j) {
         const Joint& joint = skeleton.joints[j];
         repeated |= !nodes.insert(joint.node).second;
-        apart |= in.roots[joint.node] != root;
+        apart |= in.subtrees.roots[joint.node] != in.subtrees.roots[skeleton.joints[first].node];
+        above &= root < 0 || in.subtrees.holds(ours, joint.node);
         const glm::mat4& m = joint.inverseBind;
         const glm::vec4 lastRow(m[0][3], m[1][3], m[2][3], m[3][3]);
         if (glm::any(glm::greaterThan(glm::abs(lastRow - glm::vec4(0, 0, 0, 1)), glm::vec4(1e-5f))))
@@ -144,6 +148,8 @@ void noteSkin(const Importer& in, uint32_t first) {
     }
     if (apart) notes.add(GltfNote::skinsWithoutRoot);
     if (repeated) notes.add(GltfNote::repeatedSkinJoints);
+    // Joints without a common root have none that could be named.
+    if (!above && !apart) notes.add(GltfNote::wrongSkeletons);
 }
 
 Result<uint32_t> addSkin(Importer& in, int index) {
@@ -173,7 +179,7 @@ Result<uint32_t> addSkin(Importer& in, int index) {
             for (int i = 0; i < 16; ++i) joint.inverseBind[i / 4][i % 4] = matrices[j * 16 + i];
         skeleton.joints.push_back(joint);
     }
-    noteSkin(in, first);
+    noteSkin(in, first, skin.skeleton);
     return first;
 }
 
@@ -366,7 +372,7 @@ Result<Scene> buildScene(const tinygltf::Model& model, const GltfFile& file) {
                 {},
                 {},
                 mirroredNodes(scene.skeleton),
-                rootsOf(scene.skeleton)};
+                subtreesOf(scene.skeleton)};
     // All skins come first, so that the joint numbers of a file do not depend on its static meshes.
     for (const Instance& instance : *instances) {
         if (instance.skin < 0 || in.skinJoints.contains(instance.skin)) continue;
