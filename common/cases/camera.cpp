@@ -48,7 +48,11 @@ glm::mat4 fromTheFront(const Framing& framing, const Grid& grid) {
     const float aspect = static_cast<float>(framing.width) / static_cast<float>(framing.height);
     const float fieldOfView = glm::radians(20.0f);
     const float whole = std::max(grid.rows * grid.cellHeight, grid.columns * grid.cellWidth / aspect) * 0.5f;
-    const float halfHeight = framing.camera == Camera::half ? whole * std::sqrt(0.5f) : whole;
+    // The grid reaches the view's edges one way; how far it reaches the other way says how much a nearer view leaves
+    // out.
+    const float least = std::min(grid.rows * grid.cellHeight, grid.columns * grid.cellWidth / aspect) * 0.5f / whole;
+    const float half = least <= 0.5f ? 0.5f : std::sqrt(0.5f * least);
+    const float halfHeight = framing.camera == Camera::half ? whole * half : whole;
     const float distance = halfHeight / std::tan(fieldOfView * 0.5f) + grid.depth * 0.55f;
     const float yaw = glm::radians(framing.yaw);
     const glm::vec3 eye =

@@ -522,7 +522,7 @@ TEST_CASE("probe tells what there is and what auto takes") {
     CHECK(found["auto"]["route"].is_string());
     CHECK(found["auto"]["variant"].is_string());
     for (const json& device : found["devices"])
-        CHECK(device["routes"].size() == 11);  // 5 variants without mesh shaders, 3 on each mesh route
+        CHECK(device["routes"].size() == 14);  // 6 variants without mesh shaders, 4 on each mesh route
     CHECK(found["auto"]["rule"].size() == 8);
     CHECK(found["measured"].is_null());
     const Outcome text = call({"probe"});

@@ -403,7 +403,11 @@ TEST_CASE("a fault in any option of compute is found") {
         const char *file, *right, *wrong, *reason;
     };
     const std::vector<Fault> faults = {
-        {{.staged = true}, "compute.glsl", "STAGED_JOINTS * 3); row", "STAGED_JOINTS * 2); row", "positions"},
+        {{.staged = true},
+         "compute.glsl",
+         "STAGED_JOINTS * PALETTE_ROWS); row",
+         "STAGED_JOINTS * 2); row",
+         "positions"},
         {{.previous = true},
          "skinned.glsl",
          "vec4(skinnedVertices[place].positionU.xyz",
@@ -411,6 +415,7 @@ TEST_CASE("a fault in any option of compute is found") {
          "previous positions"},
         {{.tangents = true}, "compute.glsl", "turned(blend, tangent.xyz)", "tangent.xyz", "tangents"},
         {{.tangents = true}, "compute.glsl", "tangent.w);", "-tangent.w);", "tangents"},
+        {{.shortTangents = true}, "compute.glsl", "turned(blend, tangent.xyz)", "tangent.xyz", "tangents"},
         {{.earlyExit = true}, "compute.glsl", "whole = 1.0 -", "whole = 0.5 -", "positions"},
         {{.packed = true}, "octahedral.glsl", "n.z < 0.0 ? fold", "n.z < -2.0 ? fold", "normals"},
         {{.halfRate = true}, "compute.glsl", "% 2u != 0u", "% 2u != 2u", "positions"},
@@ -422,7 +427,9 @@ TEST_CASE("a fault in any option of compute is found") {
         std::string& text = workload.shaders.files[fault.file];
         INFO(fault.right);
         REQUIRE(text.find(fault.right) != std::string::npos);
-        text.replace(text.find(fault.right), std::string(fault.right).size(), fault.wrong);
+        const std::string right = fault.right;
+        for (size_t at = 0; (at = text.find(right, at)) != std::string::npos; at += std::string(fault.wrong).size())
+            text.replace(at, right.size(), fault.wrong);
         std::vector<Case> cases;
         for (Api api : {Api::vulkan, Api::opengl}) cases.push_back(computeCase(api, fault.options));
         auto results = runBench(workload, cases, openedBackends(), settings, {});

@@ -144,8 +144,9 @@ TEST_CASE("the result file has the keys of its schema") {
     CHECK(keysOf(json["host"]) == Keys{"os", "cpu"});
     CHECK(keysOf(json["scene"]) ==
           Keys{"name", "vertices", "triangles", "joints", "unique_tuples", "mean_influences", "max_influences"});
-    const Keys settings = {"copies",    "frames",       "warmup", "width",     "height",   "pose",       "rounds",
-                           "precision", "time_limit_s", "seed",   "placement", "geometry", "cache_order"};
+    const Keys settings = {"copies",       "frames", "warmup",           "width",    "height",
+                           "pose",         "camera", "vertices_in_view", "rounds",   "precision",
+                           "time_limit_s", "seed",   "placement",        "geometry", "cache_order"};
     CHECK(keysOf(json["settings"]) == settings);
     REQUIRE(json["devices"].size() == 2);
     const Keys device = keysOf(json["devices"][0]);

@@ -214,9 +214,9 @@ TEST_CASE("influences of the built-in characters resemble published characters")
         int most;
         size_t leastJoints, mostJoints, leastTuples;
     };
-    for (const Wanted& wanted : {Wanted{"biped", 1.9, 0.15, 4, 40, 60, 150}, Wanted{"robot", 1, 0, 1, 33, 33, 33},
-                                 Wanted{"creature", 2.2, 0.15, 4, 100, 140, 300},
-                                 Wanted{"blended", 4, 0, 4, 40, 60, 300}})
+    for (const Wanted& wanted :
+         {Wanted{"biped", 1.9, 0.15, 4, 40, 60, 150}, Wanted{"robot", 1, 0, 1, 33, 33, 33},
+          Wanted{"creature", 2.2, 0.15, 4, 100, 140, 300}, Wanted{"blended", 4, 0, 4, 40, 60, 300}})
         for (const uint32_t seed : {1u, 2u, 3u}) {
             INFO(wanted.name << " seed " << seed);
             const Scene scene = make(wanted.name, 8'000, seed);
@@ -320,7 +320,8 @@ TEST_CASE("wrong names and counts are refused with what is allowed") {
     const auto unknown = makeBuiltin("dragon", 10'000);
     REQUIRE_FALSE(unknown);
     CHECK(unknown.error().fault == Fault::input);
-    CHECK_THAT(unknown.error().text, ContainsSubstring("dragon") && ContainsSubstring("biped, robot, creature, blended"));
+    CHECK_THAT(unknown.error().text,
+               ContainsSubstring("dragon") && ContainsSubstring("biped, robot, creature, blended"));
     for (const uint32_t vertices : {0u, kMinBuiltinVertices - 1, kMaxBuiltinVertices + 1, 0xFFFFFFFFu}) {
         const auto wrong = makeBuiltin("robot", vertices);
         REQUIRE_FALSE(wrong);

@@ -116,7 +116,7 @@ TEST_CASE("every model loads, prepares and poses, or says why not") {
         auto scene = loadScene(entry.path().string());
         if (!scene) {
             CHECK(scene.error().fault == Fault::input);
-            CHECK(scene.error().text.starts_with(entry.path().filename().string() + ": "));
+            CHECK(scene.error().text.starts_with(entry.path().string() + ": "));
             ++refused;
             continue;
         }

@@ -308,6 +308,9 @@ function differencesTable() {
         .map((name) => [name, ...known.map((values) => values.get(name) ?? kAbsent)])
         .filter(([, ...values]) => unique(values).length > 1);
     return rows.length
-        ? [note("The files differ in:"), plainTable({head: ["", ...files.map((file) => file.label)], rows})]
+        ? [
+              note("The files differ in:"),
+              h("div", {class: "wide"}, plainTable({head: ["", ...files.map((file) => file.label)], rows})),
+          ]
         : [note("Scene, devices, settings and revision are the same in all files.")];
 }
