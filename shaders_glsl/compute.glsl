@@ -11,7 +11,7 @@ layout(local_size_x = COMPUTE_GROUP) in;
 #include "octahedral.glsl"
 
 layout(std430, binding = SLOT_TANGENT) readonly restrict buffer TangentBlock { uint tangents[]; };
-layout(std430, binding = SLOT_SKINNED_TANGENT) writeonly restrict buffer SkinnedTangentBlock { uint skinnedTangents[]; };
+layout(std430, binding = SLOT_SKINNED_TANGENT) writeonly restrict buffer KeptTangentBlock { uint skinnedTangents[]; };
 #elif SKINNED_TANGENT
 layout(std430, binding = SLOT_TANGENT) readonly restrict buffer TangentBlock { vec4 tangents[]; };
 #endif
@@ -49,12 +49,14 @@ Blend blendUntilWhole(Vertex vertex, uint copyNumber) {
     Blend blend = startBlend(vertex, copyNumber);
     float sum = 0.0;
     for (uint i = 0u; i < 4u && sum < whole; ++i) {
-        addInfluence(blend, (vertex.joints0[i] + SKIN_FIRST_JOINT(copyNumber)) * uint(PALETTE_ROWS), vertex.weights0[i]);
+        uint row = (vertex.joints0[i] + SKIN_FIRST_JOINT(copyNumber)) * uint(PALETTE_ROWS);
+        addInfluence(blend, row, vertex.weights0[i]);
         sum += vertex.weights0[i];
     }
 #if INFLUENCES == 8
     for (uint i = 0u; i < 4u && sum < whole; ++i) {
-        addInfluence(blend, (vertex.joints1[i] + SKIN_FIRST_JOINT(copyNumber)) * uint(PALETTE_ROWS), vertex.weights1[i]);
+        uint row = (vertex.joints1[i] + SKIN_FIRST_JOINT(copyNumber)) * uint(PALETTE_ROWS);
+        addInfluence(blend, row, vertex.weights1[i]);
         sum += vertex.weights1[i];
     }
 #endif
@@ -118,7 +120,7 @@ layout(location = 1) in vec4 attributeNormalV;
 layout(location = 2) in vec4 attributePrevious;
 #endif
 #if SHORT_TANGENT
-layout(std430, binding = SLOT_SKINNED_TANGENT) readonly restrict buffer SkinnedTangentBlock { uint skinnedTangents[]; };
+layout(std430, binding = SLOT_SKINNED_TANGENT) readonly restrict buffer KeptTangentBlock { uint skinnedTangents[]; };
 #elif SKINNED_TANGENT
 layout(location = 3) in vec4 attributeTangent;
 #endif

@@ -1,5 +1,5 @@
-// `compute-cull`, the pass between skinning and the draw: a triangle an invocation, tested by TRIANGLE_TESTS, and the indices
-// of those left in a list. One atomic addition a work group makes room for all of its triangles.
+// `compute-cull`, the pass between skinning and the draw: a triangle an invocation, tested by TRIANGLE_TESTS, and the
+// indices of those left in a list. One atomic addition a work group makes room for all of its triangles.
 #if STAGE_COMPUTE
 #include "frame.glsl"
 #include "skinned.glsl"
@@ -14,7 +14,7 @@ layout(std430, binding = SLOT_VISIBLE) writeonly restrict buffer VisibleBlock { 
 shared uint keptBits[CULL_GROUP / 32];
 shared uint firstPlace;
 
-// A draw is rasterised where nothing says that it cannot be seen.
+// Nothing says that the triangle cannot be seen.
 bool isVisible(vec4 a, vec4 b, vec4 c) {
 #if (TRIANGLE_TESTS & TEST_FRUSTUM) != 0
     if (isBeyondOnePlane(a, b, c)) return false;

@@ -161,7 +161,10 @@ inline Mesh everyJointMesh() {
 
 inline std::string folderOf(const char* variable, const char* fallback) {
     const char* value = std::getenv(variable);
-    return value != nullptr ? value : std::string(SKINBENCH_SOURCE_DIR) + fallback;
+    if (value != nullptr) return value;
+    std::string folder = SKINBENCH_SOURCE_DIR;
+    folder += fallback;
+    return folder;
 }
 
 }  // namespace skinbench::test

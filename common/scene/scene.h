@@ -163,7 +163,8 @@ struct BuiltinScene {
     uint32_t defaultVertices;
 };
 
-// biped (organic, about 1.9 influences a vertex), robot (rigid, 1.0), creature (many joints, 2.2), blended (the biped, 4).
+// biped (organic, about 1.9 influences a vertex), robot (rigid, 1.0), creature (many joints, 2.2), blended (the biped with
+// 4).
 const std::vector<BuiltinScene>& builtinScenes();
 
 inline constexpr uint32_t kMinBuiltinVertices = 2'000;

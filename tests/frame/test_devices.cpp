@@ -317,8 +317,9 @@ TEST_CASE("numbers without PCI addresses are said to be unsure") {
 TEST_CASE("folders of devices are short and plain") {
     CHECK(deviceFolder(node(1), 0) == "0-nvidia-h200");
     CHECK(deviceFolder(node(1), 1) == "1-llvmpipe");
-    const Machine odd = makeMachine({{Api::vulkan, {gpu(Api::vulkan, "../\xff / " + std::string(99, 'X'))}}}, {});
-    CHECK(deviceFolder(odd, 0) == "0-" + std::string(30, 'x'));
+    const Machine odd =
+        makeMachine({{Api::vulkan, {gpu(Api::vulkan, std::format("../\xff / {}", std::string(99, 'X')))}}}, {});
+    CHECK(deviceFolder(odd, 0) == std::format("0-{}", std::string(30, 'x')));
 }
 
 TEST_CASE("refusals are said once each, the farthest first, in so many characters") {

@@ -300,7 +300,8 @@ TEST_CASE("the same arguments give the same bytes on every machine") {
     for (const Pinned& pinned :
          {Pinned{"biped", 2'000, 0x26CA0BAA2EA6490E}, Pinned{"biped", 20'000, 0xFFB9B1DAA9F7862D},
           Pinned{"robot", 2'000, 0x4B462CA8DF2B96C3}, Pinned{"robot", 20'000, 0x0D4A307DD4C1CB09},
-          Pinned{"creature", 2'000, 0xEA4036C435D7BB4A}, Pinned{"creature", 20'000, 0x4334FEB1E91967BD}}) {
+          Pinned{"creature", 2'000, 0xEA4036C435D7BB4A}, Pinned{"creature", 20'000, 0x4334FEB1E91967BD},
+          Pinned{"blended", 2'000, 0x3EDD52F8DE6CA0A2}}) {
         INFO(pinned.name << " " << pinned.vertices);
         CHECK(hashScene(make(pinned.name, pinned.vertices)) == pinned.hash);
     }
