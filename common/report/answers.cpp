@@ -32,7 +32,7 @@ enum class Stage { vertex, compute, mesh, host };
 
 Stage stageOf(const Case& c) {
     if (c.variant->skinsOnHost) return Stage::host;
-    if (c.variant->skinsInCompute) return Stage::compute;
+    if (c.variant->skinsInCompute || c.variant->listsTriangles || c.variant->readsSkinned) return Stage::compute;
     return onMeshRoute(c) ? Stage::mesh : Stage::vertex;
 }
 

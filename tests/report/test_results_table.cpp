@@ -183,6 +183,16 @@ TEST_CASE("the last lines say which case, stage, extension and API is the fastes
     }
 }
 
+TEST_CASE("whatever draws, a compute pass that skins is the compute stage") {
+    const std::string table =
+        tableOf({timed("vk/vertex/uc", 20), timed("vk/compute/uc", 14), timed("vk/compute-cull/uc", 2),
+                 timed("vk-ext/mesh/uc/meshopt/redirect", 10), timed("vk-ext/compute-mesh/uc/meshopt/redirect", 8)});
+    INFO(table);
+    CHECK(hasLine(table, "mesh against compute, Vulkan 5.000 (4."));
+    CHECK(hasLine(table, "mesh against vertex, Vulkan 0.500 (0."));
+    CHECK(hasLine(table, "compute against vertex, Vulkan 0.100 (0."));
+}
+
 TEST_CASE("what is not told apart from the fastest is called so, and too few frames are no answer") {
     std::vector<CaseResult> results = {timed("vk/vertex/uc", 10), timed("vk/compute/uc", 10.004)};
     CHECK(hasLine(tableOf(results), "fastest: vk/vertex/uc, 10.000 ms, itself the baseline"));
