@@ -193,6 +193,7 @@ TEST_CASE("the limit of a case keeps what its draws are made of") {
           "vk-nv/none/ids/scan/fixed+64-84+group-64+unpacked-writes+ordered-records+no-fragments");
     CHECK(limit("cpu/cpu/uc") == "none");
     CHECK(limit("vk/cpu/uc") == "none");
+    CHECK(limit("vk/compute-cull/uc") == "none");
     CHECK(limit("vk/vertex/uc+prepass") == "none");
 }
 
