@@ -46,6 +46,9 @@ Result<std::vector<Case>> chosenCases(RenderOptions& options) {
     }
     auto cases = selectedCases(selectors);
     SKINBENCH_TRY(cases);
+    // Both ways of fetching draw one picture; only who names them sees it twice.
+    if (selectors.caseIds.empty() && words["vertex_fetch"].empty())
+        std::erase_if(*cases, [](const Case& c) { return c.fetch == VertexFetch::pull && c.codec->feedsAttributes; });
     if (cases->size() > kMostPictures)
         return inputError(std::format("{} cases are more pictures than one file takes side by side ({}); name fewer",
                                       cases->size(), kMostPictures));

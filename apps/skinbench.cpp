@@ -99,12 +99,16 @@ void addAxes(CLI::App& command, AxisWords& words) {
                 ->allow_extra_args(false);
 }
 
-// One value of an axis, under the axis' own name.
-void addOne(CLI::App& command, AxisWords& words, const char* name) {
-    const Axis& axis = *findAxis(name);
-    std::string option = axis.name;
-    std::ranges::replace(option, '_', '-');
-    command.add_option("--" + option, words[name], helpOf(axis))->expected(1);
+// Axes of a picture, each under its own name; several values are several pictures.
+void addPictureAxes(CLI::App& command, AxisWords& words) {
+    for (const Axis& axis : axes()) {
+        if (!axis.benched || axis.name == "route" || axis.name == "raster") continue;
+        std::string option = axis.name;
+        std::ranges::replace(option, '_', '-');
+        command.add_option("--" + option, words[axis.name], helpOf(axis) + usualOf(axis))
+            ->delimiter(',')
+            ->allow_extra_args(false);
+    }
 }
 
 void addKeepBackFaces(CLI::App& command, AxisWords& words) {
@@ -231,11 +235,12 @@ void addRun(CLI::App& program, int& status, bool timed, const std::string& comma
 
 void addRender(CLI::App& program, int& status) {
     auto options = std::make_shared<RenderOptions>();
-    CLI::App* command = program.add_subcommand("render", "draw one variant to a PNG file");
+    CLI::App* command =
+        program.add_subcommand("render", "draw one variant to a PNG file, or several side by side: --method lbs,dqs");
     Selectors& s = options->selectors;
     command->add_option("scene", s.scene, "a .gltf or .glb file, or builtin:NAME[:VERTICES]")->required();
     command->add_option("--route", options->route, helpOf(*findAxis("route")))->capture_default_str();
-    for (const char* axis : {"variant", "codec", "builder", "compute", "influences"}) addOne(*command, s.words, axis);
+    addPictureAxes(*command, s.words);
     addKeepBackFaces(*command, s.words);
     command->add_option("--case", s.caseIds, "exactly this case: an id of a table, a result file or a report")
         ->expected(1);

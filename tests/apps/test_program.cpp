@@ -227,6 +227,7 @@ TEST_CASE("bad numbers") {
         {{"reproduce", "torabi", "--size", "64"}, 2, "size '64'"},
         {{"partition", "builtin:robot:2000", "--slots", "65536"}, 2, "--slots"},
         {{"partition", "builtin:robot:2000", "--influences", "5"}, 2, "influences must be 4 or 8"},
+        {{"render", "builtin:robot:2000", "--route", "vk", "--method", "lbs,x", "-o", "x.png"}, 2, "no method 'x'"},
         {{"render", "builtin:robot:2000", "--yaw", "sideways", "-o", "x.png"}, 2, "--yaw"},
         {{"render", "builtin:robot:2000", "--yaw", "361", "-o", "x.png"}, 2, "--yaw"},
         {{"render", "builtin:robot:2000", "--copies", "0", "-o", "x.png"}, 2, "--copies"},
