@@ -1,3 +1,4 @@
+#include <algorithm>
 #include <format>
 
 #include "apps/apps.h"
@@ -34,7 +35,16 @@ Result<std::vector<Case>> chosenCases(RenderOptions& options) {
         SKINBENCH_TRY(choice);
         route = choice->route->name;
         if (words["variant"].empty()) words["variant"] = {choice->variant->name};
-        say(std::string("route ") + choice->route->name + ": " + choice->reason);
+        // A variant that was named leads to the first route that has it.
+        const Variant* const named = findVariant(words["variant"].front());
+        const auto carries = [&](const Route& row) { return named && runsOn(*named, row) && row.api != Api::cpu; };
+        if (const auto first = std::ranges::find_if(routes(), carries);
+            first != routes().end() && !runsOn(*named, *choice->route)) {
+            route = first->name;
+            say(std::format("route {}: {} does not run on {}", route, named->name, choice->route->name));
+        } else {
+            say(std::string("route ") + choice->route->name + ": " + choice->reason);
+        }
     }
     if (selectors.caseIds.empty()) {
         words["route"] = {route};

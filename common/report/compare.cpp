@@ -334,7 +334,7 @@ Json comparisonJson(const Comparison& comparison) {
             {"cases", cases}};
 }
 
-// "A → B is codec: uc → pc, 7 pairs: B/A from 0.9812 to 1.1201, median 1.0503"
+// "A → B is codec: uc → pc, 7 of 9 pairs with times: B/A from 0.9812 to 1.1201, median 1.0503"
 static std::string directionText(const std::vector<const ComparedCase*>& pairs) {
     std::string text =
         std::format("A → B is {}, {} {}", pairs.front()->direction, pairs.size(), pairs.size() == 1 ? "pair" : "pairs");
@@ -346,6 +346,9 @@ static std::string directionText(const std::vector<const ComparedCase*>& pairs) 
         software = software || pair->a.software || pair->b.software;
     }
     if (ratios.empty()) return text;
+    if (ratios.size() < pairs.size())
+        text = std::format("A → B is {}, {} of {} pairs with times", pairs.front()->direction, ratios.size(),
+                           pairs.size());
     const Summary summary = summarise(ratios);
     const char* mark = software ? "*" : "";
     return text + std::format(": B/A from {:.4f}{} to {:.4f}{}, median {:.4f}{}", summary.min, mark, summary.max, mark,
