@@ -155,7 +155,7 @@ void addSelectors(CLI::App& command, Selectors& s) {
     command
         .add_option("--precision", s.precision,
                     "percent: rounds go on until the 95 % interval of each median has this half-width, 0: no more than "
-                    "--rounds (default: 1)")
+                    "--rounds (default: 1, or 0 where --frames or --rounds are given)")
         ->check(atLeastZero());
     command
         .add_option("--time-limit", s.timeLimit,

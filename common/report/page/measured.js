@@ -298,6 +298,11 @@ function differencesTable() {
         const groups = {scene: file.scene, settings: file.settings, host: file.host, tool: file.tool};
         return new Map([
             ["devices", devices.join("; ") || "none"],
+            // Words of an option that the file's cases have, such as codec: uc, pc.
+            ...file.axes.map(({name}) => [
+                `cases: ${name.replaceAll("_", " ")}`,
+                unique(file.cases.map((row) => row.axes[name]).filter((value) => value)).sort().join(", ") || kAbsent,
+            ]),
             ...Object.entries(groups).flatMap(([group, values]) =>
                 Object.entries(values).map(([name, value]) => [`${group}: ${name.replaceAll("_", " ")}`, valueText(value)]),
             ),
