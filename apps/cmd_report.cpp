@@ -1,3 +1,6 @@
+#include <algorithm>
+#include <filesystem>
+
 #include <nlohmann/json.hpp>
 
 #include "apps/apps.h"
@@ -5,8 +8,27 @@
 
 namespace skinbench {
 
-int runReport(const std::vector<std::string>& files, const std::string& out) {
+// A folder of folders with result files, as --device all and array jobs make them, stands for all of these.
+static std::vector<std::string> withFoldersBelow(const std::vector<std::string>& paths) {
+    namespace fs = std::filesystem;
+    std::vector<std::string> files;
+    for (const std::string& path : paths) {
+        std::error_code failed;
+        std::vector<std::string> below;
+        if (fs::is_directory(path, failed) && !fs::exists(resultsFileOf(path), failed))
+            for (const fs::directory_entry& entry : fs::directory_iterator(path, failed))
+                if (entry.is_directory(failed) && fs::exists(resultsFileOf(entry.path().string()), failed))
+                    below.push_back(entry.path().string());
+        std::ranges::sort(below);
+        if (below.empty()) below = {path};
+        files.insert(files.end(), below.begin(), below.end());
+    }
+    return files;
+}
+
+int runReport(const std::vector<std::string>& given, const std::string& out) {
     if (auto right = checkSuffix(out, ".html"); !right) return reportError(right.error());
+    const std::vector<std::string> files = withFoldersBelow(given);
     std::vector<nlohmann::ordered_json> results;
     std::vector<std::string> inputs;
     for (const std::string& file : files) {

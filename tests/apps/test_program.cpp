@@ -438,7 +438,7 @@ TEST_CASE("files that are no results") {
     fixture::writeText("plain", "x");
     checkRefused({
         {{"report", "missing.json"}, 2, "missing.json"},
-        {{"report", "."}, 2, ".: is a folder without a results.json"},
+        {{"report", "/usr"}, 2, "/usr: is a folder without a results.json"},
         {{"report", "empty.json"}, 2, "is not JSON"},
         {{"report", "broken.json"}, 2, "is not JSON"},
         {{"report", "other.json"}, 2, "schema"},
@@ -587,6 +587,8 @@ TEST_CASE("two devices of one name are told apart, and each has a folder of its 
         CHECK_THAT(*csv, ContainsSubstring(std::string("(device ") + number + ")"));
     }
     CHECK(fs::exists(pathOf("each/report.html")));
+    CHECK(call({"report", "each", "-o", "farm.html"}).status == 0);
+    CHECK_THAT(readWholeFile(pathOf("farm.html")).value(), ContainsSubstring("each/0-llvmpipe"));
 }
 
 TEST_CASE("OpenGL's reason is what the display said that came farthest") {
