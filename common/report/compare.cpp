@@ -90,6 +90,23 @@ std::vector<std::string> differencesOf(const Json& a, const Json& b) {
             if (!a[group].contains(key))
                 differ(std::string(group) + " " + terminalText(key, kLongestMessage), "not said", shown(value));
     }
+    // Ids leave out what is usual, and what is usual may have changed between two versions.
+    std::map<std::string, std::pair<std::string, std::string>> options;
+    std::map<std::string, const Json*> ofA;
+    for (const Json& row : a["cases"]) ofA[row["id"]] = &row;
+    for (const Json& row : b["cases"]) {
+        const auto same = ofA.find(row["id"]);
+        if (same == ofA.end()) continue;
+        const Json earlier = same->second->value("options", Json::object());
+        const Json later = row.value("options", Json::object());
+        if (!earlier.is_object() || !later.is_object()) continue;
+        for (const auto& [key, value] : later.items()) {
+            const Json before = earlier.value(key, value);
+            if (before != value) options[key] = {shown(before), shown(value)};
+        }
+    }
+    for (const auto& [key, values] : options)
+        differ("equal ids, option " + terminalText(key, kLongestMessage), values.first, values.second);
     return differences;
 }
 

@@ -384,14 +384,26 @@ void completeResults(Json& results) {
         if (device["route_api"].is_string()) addMissing(device, {{"routes", routesOf(device["route_api"])}});
         addMissing(device, {{"label", device["name"]}, {"uuid", nullptr}, {"pci", nullptr}});
     }
-    if (results.contains("axes")) return;
-    results["axes"] = axesJson();
+    // Axes that came after the file. Before there was a choice, joints of zero weights were read.
+    addMissing(results, {{"axes", Json::array()}});
+    const auto lacks = [&](const Json& axis) {
+        return std::ranges::none_of(results["axes"], [&](const Json& known) {
+            return known.is_object() && known.value("name", Json(nullptr)) == axis["name"];
+        });
+    };
+    Json added = Json::array();
+    for (const Json& axis : axesJson())
+        if (lacks(axis)) added.push_back(axis);
+    if (added.empty()) return;
+    const bool loads = std::ranges::any_of(added, [](const Json& axis) { return axis["name"] == "zero_weights"; });
+    for (const Json& axis : added) results["axes"].push_back(axis);
     for (Json& row : results["cases"]) {
         addMissing(row, {{"options", Json::object()}});
         if (!row["id"].is_string() || !row["options"].is_object()) continue;
         const std::string id = row["id"];
-        const auto c = parseCaseId(id.substr(0, id.find("+again")));
+        auto c = parseCaseId(id.substr(0, id.find("+again")));
         if (!c) continue;
+        if (loads) c->zeroWeights = ZeroWeights::load;
         Json ofCase = Json::object();
         addAxes(ofCase, *c, true);
         addMissing(row, ofCase);

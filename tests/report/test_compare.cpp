@@ -330,6 +330,15 @@ TEST_CASE("files without a common case are refused with what they differ in") {
     refused(uc, withAxes({}), "B has no case at all");
 }
 
+TEST_CASE("equal ids that stand for other options are named") {
+    Json a = file({timed("vk/vertex/uc", spread(1, 0.01, 20))}), b = a;
+    a["cases"][0]["options"] = {{"zero_weights", "load"}};
+    b["cases"][0]["options"] = {{"zero_weights", "skip"}};
+    const auto comparison = compareResults(a, b);
+    REQUIRE(comparison);
+    CHECK(comparison->differences == std::vector<std::string>{"equal ids, option zero_weights: load in A, skip in B"});
+}
+
 TEST_CASE("pairs of one file are equal but for the named axes, from the usual value to the others") {
     const Json a = withAxes({option("vk/vertex/uc", "10", "no", spread(10, 0.001, 20)),
                              option("vk/vertex/pc", "10", "no", spread(11, 0.001, 20)),

@@ -441,6 +441,19 @@ TEST_CASE("a file of an older version is completed when it is read") {
     CHECK(!isSoftwareRoute(*loaded, "a route of tomorrow"));
 }
 
+TEST_CASE("a file from before zero weights could be skipped has loaded them") {
+    Json older = sample();
+    Json axes = Json::array();
+    for (const Json& axis : older["axes"])
+        if (axis["name"] != "zero_weights") axes.push_back(axis);
+    older["axes"] = axes;
+    for (Json& row : older["cases"]) row["options"].erase("zero_weights");
+    const auto loaded = loadResults(fixture::writeText("loads.json", older.dump()));
+    REQUIRE(loaded);
+    CHECK((*loaded)["cases"][0]["options"]["zero_weights"] == "load");
+    CHECK((*loaded)["axes"].size() == axes.size() + 1);
+}
+
 TEST_CASE("what is no result file is told with its path") {
     auto refused = [](const std::string& path, const char* why) {
         const auto loaded = loadResults(path);
