@@ -7,6 +7,8 @@
 
 #include <glm/gtc/packing.hpp>
 
+#include "common/scene/tangents.h"
+
 namespace skinbench {
 namespace {
 
@@ -15,14 +17,6 @@ glm::dmat3 linearPart(const PaletteEntry& joint) {
     for (int row = 0; row < 3; ++row)
         for (int column = 0; column < 3; ++column) m[column][row] = joint.rows[row][column];
     return m;
-}
-
-glm::dvec3 unitBeside(const glm::dvec3& v) {
-    const glm::dvec3 a = glm::abs(v);
-    const glm::dvec3 axis = a.x <= a.y && a.x <= a.z ? glm::dvec3(1, 0, 0)
-                            : a.y <= a.z             ? glm::dvec3(0, 1, 0)
-                                                     : glm::dvec3(0, 0, 1);
-    return glm::normalize(glm::cross(v, axis));
 }
 
 // Columns are the eigenvectors of a symmetric matrix, the one of the largest eigenvalue first; by Jacobi's rotations,
@@ -57,7 +51,7 @@ glm::dmat3 nearestRotation(const glm::dmat3& a) {
     const auto lost = [&](int k) { return glm::length(images[k]) <= kLost * largest; };
     glm::dmat3 left;
     left[0] = images[0] / largest;
-    left[1] = lost(1) ? unitBeside(left[0]) : glm::normalize(images[1]);
+    left[1] = lost(1) ? anyPerpendicular(left[0]) : glm::normalize(images[1]);
     left[2] = lost(2) ? glm::cross(left[0], left[1]) * glm::determinant(right) : glm::normalize(images[2]);
     const glm::dmat3 rotation = left * glm::transpose(right);
     return glm::determinant(rotation) < 0 ? -rotation : rotation;

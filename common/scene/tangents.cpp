@@ -29,6 +29,8 @@ Directions growth(const Mesh& mesh, const uint32_t* corners) {
     return {scaled(secondUv.y * first - firstUv.y * second), scaled(firstUv.x * second - secondUv.x * first)};
 }
 
+}  // namespace
+
 // Crossed with the axis that the normal is farthest from.
 glm::dvec3 anyPerpendicular(const glm::dvec3& normal) {
     const glm::dvec3 size = glm::abs(normal);
@@ -37,8 +39,6 @@ glm::dvec3 anyPerpendicular(const glm::dvec3& normal) {
                                                                  : glm::dvec3(0, 0, 1);
     return glm::normalize(glm::cross(normal, axis));
 }
-
-}  // namespace
 
 std::vector<glm::vec4> vertexTangents(const Mesh& mesh) {
     std::vector<Directions> sums(mesh.positions.size());

@@ -13,6 +13,9 @@ namespace skinbench {
 // w * cross(normal, xyz) is the side on which v grows. Where the uvs span no area, xyz is any perpendicular and w is 1.
 std::vector<glm::vec4> vertexTangents(const Mesh& mesh);
 
+// A unit vector perpendicular to one that is not zero.
+glm::dvec3 anyPerpendicular(const glm::dvec3& normal);
+
 // Such a tangent in a word, as packTangent of shaders_glsl/octahedral.glsl: signed coordinates on the unfolded
 // octahedron,
 //
