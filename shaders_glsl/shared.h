@@ -23,7 +23,7 @@
 #define SLOT_VISIBLE 12  // indices of the triangles that are left, copy after copy, which feed the draw
 #define SLOT_COMMAND 13  // DrawCommand, copy after copy, or one for all of a batched draw
 
-// A block only where compute.glsl's triangles are tested.
+// A block in cull_triangles.glsl alone.
 #define SLOT_INDEX 10  // 32-bit index buffer
 
 #define SLOT_COUNT 14
