@@ -57,7 +57,7 @@ private:
     void countFrame(const GlPlan& plan, size_t frame, Timing& timing);
     Clock::duration recordBatch(const GlPlan& plan, std::span<const FrameInput> frames, RunMode mode,
                                 std::vector<Timing>& timings);
-    void drawMesh(const GlPlan& plan, const LinkedProgram& program, uint32_t groups);
+    void drawMesh(const GlPlan& plan, const LinkedProgram& program, const Draw& draw);
     void issueDraws(const GlPlan& plan, const Pass& pass, size_t frame);
     void beginPass(const GlPlan& plan, const Pass& pass, bool clear);
     void timestamp(GLuint query);
@@ -207,7 +207,7 @@ void GlBackend::bindStreams(const GlPlan& plan) {
         if (stream.use & useUniform) uniform[stream.slot] = plan.streams[i].id();
         if (stream.use & useIndirect) commands = plan.streams[i].id();
     }
-    glBindBuffer(GL_DRAW_INDIRECT_BUFFER, commands);
+    for (GLenum target : {GL_DRAW_INDIRECT_BUFFER, GL_DISPATCH_INDIRECT_BUFFER}) glBindBuffer(target, commands);
     auto count = static_cast<GLsizei>(std::min<GLuint>(SLOT_COUNT, storageBindings_));
     glBindBuffersBase(GL_SHADER_STORAGE_BUFFER, 0, count, storage.data());
     glBindBuffersBase(GL_UNIFORM_BUFFER, 0, SLOT_COUNT, uniform.data());
@@ -250,9 +250,14 @@ void clearTargets(GLuint framebuffer) {
     glClearNamedFramebufferfv(framebuffer, GL_DEPTH, 0, &depth);
 }
 
-void GlBackend::drawMesh(const GlPlan& plan, const LinkedProgram& program, uint32_t groups) {
+GLintptr placeOf(uint32_t command) { return static_cast<GLintptr>(command) * GLintptr{sizeof(DrawCommand)}; }
+
+void GlBackend::drawMesh(const GlPlan& plan, const LinkedProgram& program, const Draw& draw) {
     if (plan.shape.dialect == MeshDialect::nv) {
-        glDrawMeshTasksNV(0, groups);
+        if (draw.command)
+            glDrawMeshTasksIndirectNV(placeOf(*draw.command));
+        else
+            glDrawMeshTasksNV(0, draw.count);
         return;
     }
     if (betweenMeshDraws_.id && program.constants >= 0) {
@@ -260,7 +265,10 @@ void GlBackend::drawMesh(const GlPlan& plan, const LinkedProgram& program, uint3
         context_->drawMeshTasksExt(0, 1, 1);
         glUseProgram(program.id);
     }
-    context_->drawMeshTasksExt(groups, 1, 1);
+    if (draw.command)
+        context_->drawMeshTasksIndirectExt(placeOf(*draw.command));
+    else
+        context_->drawMeshTasksExt(draw.count, 1, 1);
 }
 
 void GlBackend::issueDraws(const GlPlan& plan, const Pass& pass, size_t frame) {
@@ -273,21 +281,22 @@ void GlBackend::issueDraws(const GlPlan& plan, const Pass& pass, size_t frame) {
         if (program.constants >= 0) glUniform4uiv(program.constants, 1, draw.constants.data());
         switch (pass.kind) {
             case PassKind::dispatch:
-                glDispatchCompute(draw.count, 1, 1);
+                if (draw.command)
+                    glDispatchComputeIndirect(placeOf(*draw.command));
+                else
+                    glDispatchCompute(draw.count, 1, 1);
                 break;
             case PassKind::drawIndexed:
-                if (draw.command) {
-                    glDrawElementsIndirect(
-                        GL_TRIANGLES, GL_UNSIGNED_INT,
-                        reinterpret_cast<const void*>(uintptr_t{*draw.command} * sizeof(DrawCommand)));
-                    break;
-                }
-                glDrawElementsBaseVertex(GL_TRIANGLES, static_cast<GLsizei>(draw.count), GL_UNSIGNED_INT,
-                                         reinterpret_cast<const void*>(uintptr_t{draw.firstIndex} * 4),
-                                         draw.baseVertex);
+                if (draw.command)
+                    glDrawElementsIndirect(GL_TRIANGLES, GL_UNSIGNED_INT,
+                                           reinterpret_cast<const void*>(placeOf(*draw.command)));
+                else
+                    glDrawElementsBaseVertex(GL_TRIANGLES, static_cast<GLsizei>(draw.count), GL_UNSIGNED_INT,
+                                             reinterpret_cast<const void*>(uintptr_t{draw.firstIndex} * 4),
+                                             draw.baseVertex);
                 break;
             case PassKind::drawMesh:
-                drawMesh(plan, program, draw.count);
+                drawMesh(plan, program, draw);
                 break;
         }
     }

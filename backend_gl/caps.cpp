@@ -102,7 +102,8 @@ DeviceCaps queryCaps() {
         const uint32_t wanted =
             GL_SUBGROUP_FEATURE_VOTE_BIT_KHR | GL_SUBGROUP_FEATURE_BALLOT_BIT_KHR | GL_SUBGROUP_FEATURE_SHUFFLE_BIT_KHR;
         // OpenGL does not say whether the size varies; where it may, drivers other than NVIDIA's use shared memory.
-        caps.meshSubgroups = (getUint(GL_SUBGROUP_SUPPORTED_STAGES_KHR) & GL_MESH_SHADER_BIT_NV) &&
+        const uint32_t stages = GL_MESH_SHADER_BIT_NV | GL_TASK_SHADER_BIT_NV;
+        caps.meshSubgroups = (getUint(GL_SUBGROUP_SUPPORTED_STAGES_KHR) & stages) == stages &&
                              (getUint(GL_SUBGROUP_SUPPORTED_FEATURES_KHR) & wanted) == wanted &&
                              has("GL_NV_mesh_shader");
     }

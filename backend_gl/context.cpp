@@ -137,9 +137,12 @@ Attempt tryDisplay(const Display& display, bool debug) {
 
     context->caps = queryCaps();
     fillIdentity(handle, context->caps);
-    if (context->caps.ext.available)
+    if (context->caps.ext.available) {
         context->drawMeshTasksExt = reinterpret_cast<DrawMeshTasksExt>(eglGetProcAddress("glDrawMeshTasksEXT"));
-    if (!context->drawMeshTasksExt) context->caps.ext = {};
+        context->drawMeshTasksIndirectExt =
+            reinterpret_cast<DrawMeshTasksIndirectExt>(eglGetProcAddress("glDrawMeshTasksIndirectEXT"));
+    }
+    if (!context->drawMeshTasksExt || !context->drawMeshTasksIndirectExt) context->caps.ext = {};
     if (!glDrawMeshTasksNV) context->caps.nv = {};
     setConstantState();
     if (context->caps.ext.available) findMeshFaults(context->drawMeshTasksExt, context->caps);

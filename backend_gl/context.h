@@ -23,6 +23,7 @@ struct Context {
     EGLSurface surface = EGL_NO_SURFACE;  // a 1x1 pbuffer where contexts cannot go without a surface
     DeviceCaps caps;
     DrawMeshTasksExt drawMeshTasksExt = nullptr;
+    DrawMeshTasksIndirectExt drawMeshTasksIndirectExt = nullptr;
     std::vector<std::string> messages;  // of the debug output
 
     Context() = default;

@@ -19,5 +19,6 @@ inline constexpr GLenum kMaxMeshOutputPrimitives = 0x9756;
 inline constexpr GLenum kMaxMeshWorkGroupInvocations = 0x9757;
 
 using DrawMeshTasksExt = void(GLAD_API_PTR*)(GLuint x, GLuint y, GLuint z);
+using DrawMeshTasksIndirectExt = void(GLAD_API_PTR*)(GLintptr indirect);
 
 }  // namespace skinbench

@@ -35,6 +35,7 @@ private:
     uint64_t queriesDone(uint32_t count) const;
     Result<double> copySkinned(Plan& plan, std::span<const std::byte> skinned);
     void bindFrame(VkCommandBuffer commands, const Plan& plan, size_t frame, uint64_t paletteOffset) const;
+    void recordIndirect(VkCommandBuffer commands, const Plan& plan, PassKind kind, uint32_t command) const;
     void recordDraws(VkCommandBuffer commands, const Plan& plan, size_t frame, const Pass& pass) const;
     void timestamp(VkCommandBuffer commands, uint32_t query) const;
     template <class Measure>
@@ -167,6 +168,19 @@ void VulkanBackend::clearTarget(VkCommandBuffer commands, const Plan& plan) cons
     device_->vk.vkCmdEndRendering(commands);
 }
 
+void VulkanBackend::recordIndirect(VkCommandBuffer commands, const Plan& plan, PassKind kind, uint32_t command) const {
+    const VolkDeviceTable& vk = device_->vk;
+    const VkDeviceSize offset = VkDeviceSize{command} * sizeof(DrawCommand);
+    if (kind == PassKind::dispatch)
+        vk.vkCmdDispatchIndirect(commands, plan.commandBuffer, offset);
+    else if (kind == PassKind::drawIndexed)
+        vk.vkCmdDrawIndexedIndirect(commands, plan.commandBuffer, offset, 1, sizeof(DrawCommand));
+    else if (plan.shape.dialect == MeshDialect::nv)
+        vk.vkCmdDrawMeshTasksIndirectNV(commands, plan.commandBuffer, offset, 1, sizeof(DrawCommand));
+    else
+        vk.vkCmdDrawMeshTasksIndirectEXT(commands, plan.commandBuffer, offset, 1, sizeof(DrawCommand));
+}
+
 // The rendering scope of a drawing pass, and every draw with its constants.
 void VulkanBackend::recordDraws(VkCommandBuffer commands, const Plan& plan, size_t frame, const Pass& pass) const {
     const VolkDeviceTable& vk = device_->vk;
@@ -175,11 +189,10 @@ void VulkanBackend::recordDraws(VkCommandBuffer commands, const Plan& plan, size
     for (const Draw& draw : pass.draws) {
         if (plan.shape.paletteRange) bindFrame(commands, plan, frame, draw.paletteOffset);
         vk.vkCmdPushConstants(commands, plan.layout, device_->stages, 0, sizeof draw.constants, draw.constants.data());
-        if (pass.kind == PassKind::dispatch)
+        if (draw.command)
+            recordIndirect(commands, plan, pass.kind, *draw.command);
+        else if (pass.kind == PassKind::dispatch)
             vk.vkCmdDispatch(commands, draw.count, 1, 1);
-        else if (draw.command)
-            vk.vkCmdDrawIndexedIndirect(commands, plan.commandBuffer, uint64_t{*draw.command} * sizeof(DrawCommand), 1,
-                                        sizeof(DrawCommand));
         else if (pass.kind == PassKind::drawIndexed)
             vk.vkCmdDrawIndexed(commands, draw.count, 1, draw.firstIndex, draw.baseVertex, 0);
         else if (plan.shape.dialect == MeshDialect::nv)

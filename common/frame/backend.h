@@ -77,7 +77,7 @@ struct DeviceCaps {
     MeshLimitsOfDevice ext;      // VK_EXT_mesh_shader, GL_EXT_mesh_shader
     MeshLimitsOfDevice nv;       // VK_NV_mesh_shader, GL_NV_mesh_shader
     uint32_t subgroupSize = 0;   // 0: unknown
-    bool meshSubgroups = false;  // mesh stages can shuffle and vote, and every subgroup has subgroupSize lanes
+    bool meshSubgroups = false;  // mesh and task stages can shuffle and vote, and every subgroup has subgroupSize lanes
     uint32_t subpixelBits = 0;   // of the rasteriser's fixed-point positions
     uint32_t maxComputeGroupSize = 0;
     uint32_t maxComputeSharedBytes = 0;
@@ -139,7 +139,7 @@ enum StreamUse : uint32_t {
     useUniform = 2,     // a uniform block
     useAttributes = 4,  // feeds vertex attributes
     useIndices = 8,     // feeds indexed draws, 32 bits an index
-    useIndirect = 16,   // holds the commands of indirect draws
+    useIndirect = 16,   // holds the commands of indirect draws and dispatches
 };
 
 // One buffer. Its size is bytes->size() * replicas, each replica a copy of its own in device memory, or `gpuBytes`
@@ -165,9 +165,11 @@ enum class RasterMode { full, noFragments, discard };
 
 enum class DepthTest { lessWrite, equalKeep };
 
-// What the device reads of an indirect draw, as VkDrawIndexedIndirectCommand and OpenGL's DrawElementsIndirectCommand
-// have it. The stream with useIndirect is an array of them; a program that writes one keeps within the indices that
-// there are.
+// What the device reads of an indirect draw or dispatch; the stream with useIndirect is an array of them. For indexed
+// draws it is what VkDrawIndexedIndirectCommand and OpenGL's DrawElementsIndirectCommand are, and a program that writes
+// one keeps within the indices that there are. For work groups only its first words count: the numbers of groups in x,
+// y and z, or, for mesh stages of the NV dialect, their number and the first one; groupCommand() makes both. A program
+// that writes one keeps within what the device starts at once.
 struct DrawCommand {
     uint32_t count = 0;
     uint32_t instances = 1;
@@ -176,6 +178,11 @@ struct DrawCommand {
     uint32_t firstInstance = 0;
 };
 static_assert(sizeof(DrawCommand) == 20);
+
+// `count` work groups of a pass of that dialect; MeshDialect::none: of a dispatch.
+inline DrawCommand groupCommand(uint32_t count, MeshDialect dialect) {
+    return dialect == MeshDialect::nv ? DrawCommand{.count = count, .instances = 0} : DrawCommand{count, 1, 1, 0, 0};
+}
 
 // dispatch: `count` work groups (x).  drawMesh: `count` work groups (task or mesh).
 // drawIndexed: `count` indices from `firstIndex`, all of them in the stream, `baseVertex` added to each.
@@ -186,8 +193,7 @@ struct Draw {
     std::array<uint32_t, 4> constants{};
     uint64_t paletteOffset = 0;  // bytes into one frame's palettes, a multiple of kPaletteAlignment; the range that
                                  // starts here ends within them
-    std::optional<uint32_t>
-        command{};  // drawIndexed: the number of a DrawCommand, which counts instead of the first three
+    std::optional<uint32_t> command{};  // the number of a DrawCommand, which counts instead of the first three
 };
 
 struct Pass {

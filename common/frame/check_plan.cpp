@@ -102,8 +102,7 @@ Result<uint64_t> mostOfDraw(const FramePlan& plan, const Pass& pass, const Devic
     return limits.maxGroupCount;
 }
 
-Result<void> checkIndirect(const FramePlan& plan, const Pass& pass, uint32_t command) {
-    if (pass.kind != PassKind::drawIndexed) return inputError("only indexed draws are indirect");
+Result<void> checkIndirect(const FramePlan& plan, uint32_t command) {
     const auto stream =
         std::ranges::find_if(plan.streams, [](const Stream& stream) { return (stream.use & useIndirect) != 0; });
     const uint64_t commands = stream == plan.streams.end() ? 0 : streamBytes(*stream) / sizeof(DrawCommand);
@@ -116,7 +115,7 @@ Result<void> checkPass(const FramePlan& plan, const Pass& pass, const DeviceCaps
     const auto most = mostOfDraw(plan, pass, caps);
     SKINBENCH_TRY(most);
     for (const Draw& draw : pass.draws) {
-        if (draw.command) SKINBENCH_TRY(checkIndirect(plan, pass, *draw.command));
+        if (draw.command) SKINBENCH_TRY(checkIndirect(plan, *draw.command));
         if (pass.kind == PassKind::drawIndexed && uint64_t{draw.firstIndex} + draw.count > *most)
             return inputError(std::format("draws {} indices from number {} on, and there are {}", draw.count,
                                           draw.firstIndex, *most));

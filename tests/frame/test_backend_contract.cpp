@@ -89,6 +89,70 @@ void main() {
     }
 }
 
+namespace {
+
+// A dispatch that sets the first word of command `command` to the number that its draw's second constant says.
+void addCounting(FramePlan& plan, Api api, uint32_t command, uint32_t count) {
+    plan.programs.push_back({.label = "count", .stages = {glsl(api, Stage::compute, R"(
+layout(local_size_x = 1) in;
+layout(std430, binding = SLOT_COMMAND) buffer CommandBlock { uint words[]; };
+void main() { words[drawConstants.x * 5u] = drawConstants.y; }
+)")}});
+    plan.passes.insert(plan.passes.begin(), {.label = "count",
+                                             .kind = PassKind::dispatch,
+                                             .program = static_cast<uint32_t>(plan.programs.size() - 1),
+                                             .draws = {{.count = 1, .constants = {command, count, 0, 0}}}});
+}
+
+}  // namespace
+
+TEST_CASE("backends: an indirect dispatch starts as many work groups as the device wrote") {
+    Subject subject(Needs::images);
+    for (uint32_t groups : {0u, 1u, 3u}) {
+        FramePlan plan = dispatchPlan(subject.api(), R"(
+layout(local_size_x = 1) in;
+layout(std430, binding = SLOT_SKINNED) writeonly buffer SkinnedBlock { vec4 skinned[]; };
+void main() { skinned[gl_WorkGroupID.x] = vec4(drawConstants.z); }
+)",
+                                      4);
+        plan.passes[0].draws = {{.constants = {0, 0, 7, 0}, .command = 1}};
+        plan.streams.push_back({.slot = SLOT_COMMAND,
+                                .use = useStorage | useIndirect,
+                                .bytes = bytesOf(std::vector<DrawCommand>(2, groupCommand(9, MeshDialect::none)))});
+        addCounting(plan, subject.api(), 1, groups);
+        for (RunMode mode : {RunMode::timed, RunMode::overlap}) {
+            const PlanId id = subject.prepare(plan);
+            subject.run(id, {stillFrame()}, mode);
+            std::vector<Point> wanted(4, {0, 0, 0, 0});
+            for (uint32_t i = 0; i < groups; ++i) wanted[i] = {7, 7, 7, 7};
+            CHECK(subject.stream<Point>(id, SLOT_SKINNED) == wanted);
+        }
+    }
+}
+
+TEST_CASE("backends: an indirect mesh draw starts as many work groups as the device wrote, behind a task stage too") {
+    Subject subject(Needs::images);
+    for (MeshDialect dialect : {MeshDialect::ext, MeshDialect::nv})
+        for (bool withTask : {false, true}) {
+            const MeshLimitsOfDevice& limits = meshLimits(subject.backend->caps(), dialect);
+            if (!limits.available || (withTask && !limits.taskStages)) continue;
+            CAPTURE(dialect == MeshDialect::nv, withTask);
+            for (uint32_t groups : {0u, 1u, 2u}) {
+                FramePlan plan = meshPlan(subject.api(), dialect, withTask);
+                plan.passes[0].draws = {{.constants = {0, kBlue, 0, 0}, .command = 1}};
+                plan.streams.push_back({.slot = SLOT_COMMAND,
+                                        .use = useStorage | useIndirect,
+                                        .bytes = bytesOf(std::vector<DrawCommand>(2, groupCommand(1, dialect)))});
+                addCounting(plan, subject.api(), 1, groups);
+                for (RunMode mode : drawingModes(subject)) {
+                    const Image image = subject.image(plan, {stillFrame()}, mode);
+                    CHECK(upperHalf(image) == (groups > 0 ? kBlue : kBackground));
+                    CHECK(lowerHalf(image) == (groups > 1 ? kBlue : kBackground));
+                }
+            }
+        }
+}
+
 TEST_CASE("backends: every stream is bound at the number of its slot: eight storage blocks, and a uniform one") {
     Subject subject(Needs::images);
     std::string blocks, reads;

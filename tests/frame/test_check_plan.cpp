@@ -53,7 +53,8 @@ TEST_CASE("backends refuse a plan that no device can run") {
              p.streams.push_back({.slot = SLOT_COMMAND, .use = useIndirect, .gpuBytes = 3 * sizeof(DrawCommand) + 19});
              p.passes[1].draws[0].command = 3;
          }},
-        {"pass 'skin': only indexed draws are indirect", [](FramePlan& p) { p.passes[0].draws[0].command = 0; }},
+        {"pass 'skin': a draw reads command 0, and there are 0",
+         [](FramePlan& p) { p.passes[0].draws[0].command = 0; }},
         {"two streams are written by the host",
          [](FramePlan& p) { p.streams[0].hostWritten = p.streams[2].hostWritten = true; }},
         {"pass 'draw': no stream feeds its indexed draws",
