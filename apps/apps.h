@@ -87,6 +87,7 @@ struct Selectors {
     double seconds = 0.4;
     std::string pose = "animated";
     std::string camera = "crowd";
+    double characterPixels = 0;                               // 0: as the camera has it
     uint32_t copies = 0, frames = 0, warmup = 0, rounds = 0;  // 0: chosen from the devices
     bool warmupGiven = false;
     double precision = -1;  // percent; below 0: chosen from the devices, or 0 where frames or rounds are given
@@ -119,7 +120,7 @@ Result<Workload> openWorkload(const std::string& scene, const WorkloadSettings& 
 
 // The sentence that says how many vertices the first frame leaves out of the image; empty where it leaves out none, or
 // where the camera is one that should.
-std::string viewWarning(const Workload& workload, double shareOutOfView);
+std::string viewWarning(const Workload& workload, const InView& seen);
 
 // --- running cases (running.cpp) -------------------------------------------------------------------------------
 

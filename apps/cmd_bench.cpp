@@ -141,9 +141,9 @@ int runOnDevice(const RunOptions& options) {
     auto scene = sceneFor(*workload, cases->front().influences);
     if (!scene) return reportError(scene.error());
     if (auto skinned = checkSkinned(**scene); !skinned) return reportError(skinned.error());
-    const auto share = shareOutOfView(*workload, cases->front().influences);
-    if (!share) return reportError(share.error());
-    const auto outside = viewWarning(*workload, *share);
+    const auto seen = inView(*workload, cases->front().influences);
+    if (!seen) return reportError(seen.error());
+    const auto outside = viewWarning(*workload, *seen);
     if (!outside.empty()) warn(outside);
 
     ResultFiles files{options.out, options.timed};
@@ -152,7 +152,7 @@ int runOnDevice(const RunOptions& options) {
     RunContext context = runContext(*devices, *workload, **scene);
     context.bench = benchSettings(selectors, devices->anyHardware);
     context.bench.timed = options.timed;
-    context.verticesInView = 1 - *share;
+    context.inView = *seen;
     context.warnings = devices->notes;
     context.command = options.command;
     context.baseline = *baseline;

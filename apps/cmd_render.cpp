@@ -84,9 +84,9 @@ Result<Image> render(RenderOptions options) {
     SKINBENCH_TRY(devices);
     auto workload = openWorkload(options.selectors.scene, *settings);
     SKINBENCH_TRY(workload);
-    const auto share = shareOutOfView(*workload, cases->front().influences);
-    SKINBENCH_TRY(share);
-    if (const auto outside = viewWarning(*workload, *share); !outside.empty()) warn(outside);
+    const auto seen = inView(*workload, cases->front().influences);
+    SKINBENCH_TRY(seen);
+    if (const auto outside = viewWarning(*workload, *seen); !outside.empty()) warn(outside);
     std::vector<Image> images;
     for (const Case& c : *cases) {
         const OpenBackend& open = devices->byApi[c.route->api];

@@ -154,6 +154,9 @@ Result<WorkloadSettings> workloadSettings(const Selectors& s, bool anyHardware) 
     if (camera == cameraNames().end())
         return inputError("no camera '" + s.camera + "'; there is crowd, half, inside, close");
     settings.camera = static_cast<Camera>(camera - cameraNames().begin());
+    if (s.characterPixels > 0 && settings.camera != Camera::crowd)
+        return inputError("--character-pixels sizes the characters of camera crowd, not of " + s.camera);
+    settings.characterPixels = static_cast<float>(s.characterPixels);
     settings.clip = s.clip;
     settings.seconds = static_cast<float>(s.seconds);
     settings.copies = s.copies ? s.copies : presetOf(s, anyHardware).copies;
@@ -190,12 +193,13 @@ Result<Workload> openWorkload(const std::string& name, const WorkloadSettings& s
     return makeWorkload(std::move(*scene), std::move(*shaders), settings);
 }
 
-std::string viewWarning(const Workload& workload, double shareOutOfView) {
-    if (shareOutOfView == 0 || workload.settings.camera != Camera::crowd) return {};
+std::string viewWarning(const Workload& workload, const InView& seen) {
+    const WorkloadSettings& settings = workload.settings;
+    if (seen.vertices == 1 || settings.camera != Camera::crowd || settings.characterPixels > 0) return {};
     return std::format(
         "{}: {:.3g} % of the vertices leave the image in the first frame, so that their triangles are not "
         "all rasterised",
-        workload.stored.name, shareOutOfView * 100);
+        workload.stored.name, (1 - seen.vertices) * 100);
 }
 
 }  // namespace skinbench

@@ -123,6 +123,13 @@ void addCases(CLI::App& command, std::vector<std::string>& ids) {
         ->allow_extra_args(false);
 }
 
+void addCharacterPixels(CLI::App& command, Selectors& s) {
+    command
+        .add_option("--character-pixels", s.characterPixels,
+                    "how tall the characters of camera crowd are drawn (default: so that all are in view)")
+        ->check(numberFrom(0.1, 100'000.0));
+}
+
 void addSelectors(CLI::App& command, Selectors& s) {
     command.add_option("scene", s.scene, "a .gltf or .glb file, or builtin:NAME[:VERTICES]")->capture_default_str();
     addAxes(command, s.words);
@@ -138,6 +145,7 @@ void addSelectors(CLI::App& command, Selectors& s) {
     command.add_option("--pose", s.pose, "frozen or animated")->capture_default_str();
     command.add_option("--camera", s.camera, "crowd, half, inside or close: how much of the copies is in the view")
         ->capture_default_str();
+    addCharacterPixels(command, s);
     command.add_option("--time", s.seconds, "seconds into the animation at the first frame")
         ->check(numberFrom(0.0, 1e6))
         ->capture_default_str();
@@ -251,6 +259,7 @@ void addRender(CLI::App& program, int& status) {
     command->add_option("--clip", s.clip, "name of the animation, or none (default: the first)");
     command->add_option("--size", s.size, "WIDTHxHEIGHT")->capture_default_str();
     command->add_option("--camera", s.camera, "crowd, half, inside or close")->capture_default_str();
+    addCharacterPixels(*command, s);
     command->add_option("--copies", s.copies, "how many (default: 1)")->check(numberFrom(1u, 1'000'000u));
     command->add_option("--yaw", options->yaw, "degrees that a single character is turned by")
         ->check(numberFrom(-360.0f, 360.0f))

@@ -185,7 +185,9 @@ void fillExtended(Adapter& adapter) {
     caps.subgroupSize = subgroup.subgroupSize;
     const VkSubgroupFeatureFlags wanted =
         VK_SUBGROUP_FEATURE_VOTE_BIT | VK_SUBGROUP_FEATURE_BALLOT_BIT | VK_SUBGROUP_FEATURE_SHUFFLE_BIT;
-    caps.meshSubgroups = (subgroup.supportedStages & VK_SHADER_STAGE_MESH_BIT_EXT) &&
+    const bool tasks = extFeatures.taskShader || nvFeatures.taskShader;
+    const VkShaderStageFlags stages = VK_SHADER_STAGE_MESH_BIT_EXT | (tasks ? VK_SHADER_STAGE_TASK_BIT_EXT : 0);
+    caps.meshSubgroups = (subgroup.supportedStages & stages) == stages &&
                          (subgroup.supportedOperations & wanted) == wanted &&
                          subgroupRange.minSubgroupSize == subgroupRange.maxSubgroupSize;
     caps.pipelineStatistics = features.features.pipelineStatisticsQuery;

@@ -19,6 +19,9 @@ layout(std430, binding = SLOT_TANGENT) readonly restrict buffer TangentBlock { v
 #if LISTS_TRIANGLES
 #include "capture.glsl"
 #include "commands.glsl"
+#if CAPTURE
+layout(std430, binding = SLOT_VERDICT) restrict buffer VerdictBlock { uint verdicts[]; };
+#endif
 #endif
 
 // Copies the palette of the copy to shared memory, a row an invocation.
@@ -88,6 +91,10 @@ void main() {
 #if LISTS_TRIANGLES
     captureVertex(skinned.position, skinned.normal, vertex.uv, copyNumber, place - copyNumber * uint(VERTEX_COUNT));
     if (i == 0u) commands[commandOf(copyNumber)].count = 0u;  // the pass that counts comes next
+#if CAPTURE
+    if (place == 0u)
+        for (uint word = 0u; word < uint(COUNTED_WORDS); ++word) verdicts[uint(FIRST_COUNTED) + word] = 0u;
+#endif
 #endif
 #if SHORT_TANGENT
     vec4 tangent = unpackTangent(tangents[place]);

@@ -5,6 +5,13 @@
 #include "skinned.glsl"
 #include "commands.glsl"
 #include "triangle_tests.glsl"
+#if CLUSTER_CULL == CLUSTER_LIST
+layout(std430, binding = SLOT_CLUSTER) readonly restrict buffer ClusterBlock { uvec4 clusters[]; };
+layout(std430, binding = SLOT_CLUSTER_LIST) readonly restrict buffer ClusterListBlock { uint listedMeshlets[]; };
+#endif
+#if CAPTURE
+layout(std430, binding = SLOT_VERDICT) restrict buffer VerdictBlock { uint verdicts[]; };
+#endif
 
 layout(local_size_x = CULL_GROUP) in;
 
@@ -14,19 +21,26 @@ layout(std430, binding = SLOT_VISIBLE) writeonly restrict buffer VisibleBlock { 
 shared uint keptBits[CULL_GROUP / 32];
 shared uint firstPlace;
 
+bool leaveOut(uint counted) {
+#if CAPTURE
+    atomicAdd(verdicts[uint(FIRST_COUNTED) + counted], 1u);
+#endif
+    return false;
+}
+
 // Nothing says that the triangle cannot be seen.
 bool isVisible(vec4 a, vec4 b, vec4 c) {
 #if (TRIANGLE_TESTS & TEST_FRUSTUM) != 0
-    if (isBeyondOnePlane(a, b, c)) return false;
+    if (isBeyondOnePlane(a, b, c)) return leaveOut(COUNTED_BEYOND);
 #endif
 #if (TRIANGLE_TESTS & (TEST_BACK | TEST_SMALL)) != 0
     if (isTrusted(a) && isTrusted(b) && isTrusted(c)) {
         vec2 pa = screenPosition(a), pb = screenPosition(b), pc = screenPosition(c);
 #if (TRIANGLE_TESTS & TEST_BACK) != 0
-        if (facesAway(pa, pb, pc)) return false;
+        if (facesAway(pa, pb, pc)) return leaveOut(COUNTED_AWAY);
 #endif
 #if (TRIANGLE_TESTS & TEST_SMALL) != 0
-        if (coversNoSample(pa, pb, pc)) return false;
+        if (coversNoSample(pa, pb, pc)) return leaveOut(COUNTED_SMALL);
 #endif
     }
 #endif
@@ -34,7 +48,15 @@ bool isVisible(vec4 a, vec4 b, vec4 c) {
 }
 
 void main() {
+#if CLUSTER_CULL == CLUSTER_LIST
+    // A work group for each meshlet that is left.
+    uint meshlet = listedMeshlets[drawConstants.x * uint(MESHLET_COUNT) + gl_WorkGroupID.x];
+    uvec4 header = clusters[drawConstants.x * uint(MESHLET_COUNT) * 3u + meshlet];
+    uint triangle = header.z + gl_LocalInvocationID.x;
+    bool there = gl_LocalInvocationID.x < (header.w & 0xFFFFu);
+#else
     uint triangle = gl_GlobalInvocationID.x + drawConstants.y * uint(CULL_GROUP);
+#endif
 #if BATCHED
     uint copyNumber = triangle / uint(TRIANGLE_COUNT);
     bool there = triangle < uint(TRIANGLE_COUNT) * uint(COPY_COUNT);
@@ -43,7 +65,9 @@ void main() {
     uint list = 0u;
 #else
     uint copyNumber = drawConstants.x;
+#if CLUSTER_CULL != CLUSTER_LIST
     bool there = triangle < uint(TRIANGLE_COUNT);
+#endif
     uint firstVertex = copyNumber * uint(VERTEX_COUNT);
     uint list = copyNumber * uint(TRIANGLE_COUNT) * 3u;
     uint source = list + triangle * 3u;

@@ -16,10 +16,15 @@ layout(std140, binding = SLOT_FRAME) uniform FrameBlock { FrameConstants frame; 
 
 // Copies stand on a grid. The offset is added after skinning, so that skinned positions stay near the origin, where
 // floats are dense, and can be compared with the reference of a single character.
-vec4 clipPosition(vec3 skinned, uint copyNumber) {
+vec3 copyOffset(uint copyNumber) {
     EXACT float row = floor((float(copyNumber) + 0.5) / frame.grid.x);
     EXACT float column = float(copyNumber) - row * frame.grid.x;
-    EXACT vec3 placed = skinned + vec3(column * frame.grid.y, -row * frame.grid.z, 0.0);
+    EXACT vec3 offset = vec3(column * frame.grid.y, -row * frame.grid.z, 0.0);
+    return offset;
+}
+
+vec4 clipPosition(vec3 skinned, uint copyNumber) {
+    EXACT vec3 placed = skinned + copyOffset(copyNumber);
     EXACT vec4 clip = frame.viewProjection * vec4(placed, 1.0);
     return clip;
 }

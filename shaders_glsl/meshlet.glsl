@@ -16,6 +16,25 @@ layout(std430, binding = SLOT_MESHLET_DATA) readonly restrict buffer MeshletData
 layout(std430, binding = SLOT_MESHLET_EXTRA) readonly restrict buffer MeshletExtraBlock { uint meshletExtra[]; };
 #endif
 
+#if CLUSTER_CULL == CLUSTER_TASK
+#define PAYLOAD_WAY in
+#include "task_payload.glsl"
+#elif CLUSTER_CULL == CLUSTER_LIST
+layout(std430, binding = SLOT_CLUSTER_LIST) readonly restrict buffer ClusterListBlock { uint listedMeshlets[]; };
+#endif
+
+// The work group's meshlet: of its copy, or of all copies in a batched draw.
+uint meshletOfGroup() {
+#if CLUSTER_CULL == CLUSTER_TASK
+    uint four = payload.places[gl_WorkGroupID.x / 4u];
+    return payload.first + ((four >> (8u * (gl_WorkGroupID.x % 4u))) & 0xFFu);
+#elif CLUSTER_CULL == CLUSTER_LIST
+    return listedMeshlets[drawConstants.x * uint(MESHLET_COUNT) + gl_WorkGroupID.x];
+#else
+    return gl_WorkGroupID.x + drawConstants.y;
+#endif
+}
+
 struct Meshlet {
     uint number;         // within its copy
     uint copyNumber;
@@ -33,7 +52,7 @@ struct Meshlet {
 };
 
 Meshlet loadMeshlet() {
-    uint group = gl_WorkGroupID.x + drawConstants.y;
+    uint group = meshletOfGroup();
     Meshlet meshlet;
 #if BATCHED
     meshlet.copyNumber = group / uint(MESHLET_COUNT);

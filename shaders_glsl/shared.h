@@ -26,15 +26,24 @@
 // A block in cull_triangles.glsl alone.
 #define SLOT_INDEX 10  // 32-bit index buffer
 
-#define SLOT_COUNT 14
+// Culling of meshlets (common/meshlets/cluster_bounds.h).
+#define SLOT_CLUSTER 14       // what a meshlet is tested by
+#define SLOT_CLUSTER_PART 15  // bounds of what each of its joints moves
+#define SLOT_CLUSTER_LIST 16  // numbers of the meshlets that are drawn, copy after copy
+#define SLOT_INSTANCE 17      // center and extent (vec4 each) of a box around each posed copy
+#define SLOT_VERDICT 18       // VERDICT_ of every meshlet, copy after copy, then COUNTED_ words; of verifying plans only
+
+#define SLOT_COUNT 19
 
 // Invocations of a work group.
 #define COMPUTE_GROUP 64  // compute.glsl, a vertex each
 #define COPY_GROUP 256    // copy.glsl, 16 bytes each
 #define CULL_GROUP 128    // cull_triangles.glsl, a triangle each
+#define LIST_GROUP 128    // list_clusters.glsl, a meshlet each, and bound_instances.glsl, a joint each
+#define TASK_GROUP 32     // task.glsl, a meshlet each
 
-// Values of the defines VIEW, CULL, JOINTS, METHOD and ZERO_WEIGHTS, and of the enums View, Cull, JointSource, Method and
-// ZeroWeights.
+// Values of the defines VIEW, CULL, JOINTS, METHOD, ZERO_WEIGHTS, CLUSTER_CULL and CLUSTER_BOUNDS, and of the enums View,
+// Cull, JointSource, Method, ZeroWeights, ClusterCull and ClusterBounds.
 #define VIEW_SHADED 0
 #define VIEW_MESHLETS 1
 #define VIEW_WEIGHTS 2
@@ -53,6 +62,22 @@
 #define TEST_FRUSTUM 1
 #define TEST_BACK 2
 #define TEST_SMALL 4
+#define CLUSTER_OFF 0
+#define CLUSTER_TASK 1
+#define CLUSTER_LIST 2
+#define CLUSTER_TEST_FRUSTUM 1
+#define CLUSTER_TEST_CONE 2
+#define BOUNDS_JOINT_SPHERES 0
+#define BOUNDS_ONE_SPHERE 1
+#define BOUNDS_JOINT_BOXES 2
+#define BOUNDS_INSTANCE 3
+#define VERDICT_DRAWN 0
+#define VERDICT_BEYOND 1  // outside the view volume
+#define VERDICT_AWAY 2    // all faces turn away
+#define COUNTED_BEYOND 0  // triangles that compute-cull leaves out, by the first test that says so
+#define COUNTED_AWAY 1
+#define COUNTED_SMALL 2
+#define COUNTED_WORDS 3
 #define ZERO_WEIGHTS_LOAD 0
 #define ZERO_WEIGHTS_SKIP 1
 #define ZERO_WEIGHTS_COUNT 2

@@ -1,8 +1,5 @@
 // Whether a triangle can be seen, from the clip positions of its corners. What is in doubt stays.
-//
-// The rasteriser decides on positions that it has rounded to a fraction of a pixel (SUBPIXELS): a coordinate moves by half
-// a step, and by a little more in single precision.
-#define MOST_ROUNDING (0.625 / float(SUBPIXELS))
+#include "rounding.glsl"
 
 // A vertex behind the eye or far outside the view has no screen position that could be trusted.
 bool isTrusted(vec4 clip) { return max(abs(clip.x), abs(clip.y)) < 8.0 * clip.w; }

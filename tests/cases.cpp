@@ -23,6 +23,11 @@ const std::vector<AxisWords>& together() {
         {{"cull", {"compact", "primitive", "torabi"}},
          {"exchange", {"shared", "shuffle"}},
          {"scenario", {"direct", "prepass"}}},
+        {{"cluster_cull", {"list"}}, {"cluster_bounds", {"one-sphere", "joint-boxes", "instance"}}},
+        {{"cluster_cull", {"task"}}, {"cluster_bounds", {"instance"}}, {"palette", {"uniform"}}},
+        {{"cluster_cull", {"task"}}, {"cluster_tests", {"none", "cone"}}},
+        {{"cluster_cull", {"task", "list"}}, {"cull", {"compact"}}, {"palette", {"uniform"}}},
+        {{"cluster_cull", {"task"}}, {"submission", {"batched"}}},
         {{"cull", {"compact"}}, {"meshlet_limits", {"128/256"}}, {"scenario", {"direct", "prepass"}}},
         {{"scenario", {"prepass"}}, {"submission", {"batched"}}},
         {{"records", {"ordered"}}, {"layout", {"fixed"}}},
@@ -119,7 +124,7 @@ DeviceCaps generousCaps(Api api) {
     caps.name = "test device";
     caps.timestampBits = 64;
     caps.timestampPeriodNs = 1;
-    caps.ext = {true, 256, 256, 128, 65535, 32768, 28672, 32};
+    caps.ext = {true, 256, 256, 128, 65535, 32768, 28672, 32, true};
     caps.nv = caps.ext;
     caps.subgroupSize = 32;
     caps.meshSubgroups = true;

@@ -20,6 +20,8 @@ bool culls(const Case& c) { return c.cull != Cull::off; }
 bool prepasses(const Case& c) { return c.variant->prepasses; }
 bool skinsOnDevice(const Case& c) { return c.variant->skins && !c.variant->skinsOnHost; }
 bool listsTriangles(const Case& c) { return c.variant->listsTriangles; }
+bool cullsMeshlets(const Case& c) { return c.variant->cullsMeshlets; }
+bool testsMeshlets(const Case& c) { return c.clusterCull != ClusterCull::off; }
 bool skinsInCompute(const Case& c) { return c.variant->skinsInCompute; }
 bool groupsTriangles(const Case& c) { return sharesJointLists(c) && c.ci.grouping == CiGrouping::triangles; }
 
@@ -279,6 +281,41 @@ void addShapes(std::vector<Axis>& rows) {
                        [](Case& c) -> bool& { return c.shape.uniformPalette; })));
 }
 
+// Whole meshlets that cannot be seen.
+void addClusterCulling(std::vector<Axis>& rows) {
+    rows.push_back(wordAxis<ClusterCull>({.name = "cluster_cull",
+                                          .option = {.help = ": whole meshlets, by a task stage or from a list"},
+                                          .applies = cullsMeshlets,
+                                          .noun = "culling of meshlets",
+                                          .define = "CLUSTER_CULL"},
+                                         {{"off", ClusterCull::off},
+                                          {"task", ClusterCull::task, "cluster-task"},
+                                          {"list", ClusterCull::list, "cluster-list"}},
+                                         [](Case& c) -> ClusterCull& { return c.clusterCull; }));
+    rows.push_back(wordAxis<uint32_t>({.name = "cluster_tests",
+                                       .option = {.help = ", of culled meshlets"},
+                                       .applies = testsMeshlets,
+                                       .noun = "set of tests",
+                                       .define = "CLUSTER_TESTS"},
+                                      {{"frustum+cone", CLUSTER_TEST_FRUSTUM | CLUSTER_TEST_CONE},
+                                       {"none", 0, "cluster-no-tests"},
+                                       {"frustum", CLUSTER_TEST_FRUSTUM, "cluster-frustum"},
+                                       {"cone", CLUSTER_TEST_CONE, "cluster-cone"}},
+                                      [](Case& c) -> uint32_t& { return c.clusterTests; }));
+    rows.back().beside = "cluster_cull";
+    rows.push_back(wordAxis<ClusterBounds>({.name = "cluster_bounds",
+                                            .option = {.help = ", of the frustum test"},
+                                            .applies = testsMeshlets,
+                                            .noun = "kind of bounds",
+                                            .define = "CLUSTER_BOUNDS"},
+                                           {{"joint-spheres", ClusterBounds::jointSpheres},
+                                            {"one-sphere", ClusterBounds::oneSphere, "one-sphere"},
+                                            {"joint-boxes", ClusterBounds::jointBoxes, "joint-boxes"},
+                                            {"instance", ClusterBounds::instance, "instance-box"}},
+                                           [](Case& c) -> ClusterBounds& { return c.clusterBounds; }));
+    rows.back().beside = "cluster_cull";
+}
+
 // How joints are read and blended.
 void addSkinning(std::vector<Axis>& rows) {
     rows.push_back(wordAxis<Method>({.name = "method",
@@ -368,6 +405,7 @@ void addDraws(std::vector<Axis>& rows) {
          {"outputs", Exchange::outputs, "outputs"}},
         [](Case& c) -> Exchange& { return c.exchange; }));
     rows.back().beside = "cull";
+    addClusterCulling(rows);
     rows.push_back(
         otherWork(topLevel(wordAxis<Scenario>({.name = "scenario", .applies = prepasses},
                                               {{"direct", Scenario::direct}, {"prepass", Scenario::prepass, "prepass"}},

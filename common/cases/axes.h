@@ -92,8 +92,8 @@ Result<Case> parseCaseId(const std::string& id);
 // The same draws with nothing fetched and nothing skinned: what the device needs at least for such meshlets or indices,
 // in the case's raster mode. Mesh stages read meshlet descriptors and local indices, vertex stages the index buffer;
 // positions follow from numbers (codec `ids`). Meshlets are those of the builder's plain cut, back faces are left to
-// the rasteriser, and a copy of `palette` is one draw. Empty for cases that the host skins, for pre-passes, and where a
-// pass before the draw leaves triangles out.
+// the rasteriser, and a copy of `palette` is one draw. Empty for cases that the host skins, for pre-passes, and where
+// triangles or meshlets are left out before the draw.
 std::optional<Case> limitCase(const Case& c);
 
 // --- crossing --------------------------------------------------------------------------------------------------

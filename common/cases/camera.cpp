@@ -24,13 +24,14 @@ namespace {
 struct Grid {
     uint32_t columns = 1, rows = 1;
     float cellWidth = 0, cellHeight = 0;
-    float depth = 0;  // of one copy
+    float height = 0, depth = 0;  // of one copy
     glm::vec3 target{0};
 };
 
 Grid layOut(const Framing& framing) {
     const glm::vec3 size = glm::max(framing.bounds.max - framing.bounds.min, glm::vec3(1e-6f));
     Grid grid;
+    grid.height = size.y;
     grid.depth = std::max(size.x, size.z);  // a turning character needs its widest side
     grid.cellWidth = (framing.yaw == 0 ? size.x : grid.depth) * 1.08f;
     grid.cellHeight = size.y * 1.08f;
@@ -52,7 +53,10 @@ glm::mat4 fromTheFront(const Framing& framing, const Grid& grid) {
     // out.
     const float least = std::min(grid.rows * grid.cellHeight, grid.columns * grid.cellWidth / aspect) * 0.5f / whole;
     const float half = least <= 0.5f ? 0.5f : std::sqrt(0.5f * least);
-    const float halfHeight = framing.camera == Camera::half ? whole * half : whole;
+    const float height = static_cast<float>(framing.height);
+    const float halfHeight = framing.camera == Camera::half ? whole * half
+                             : framing.characterPixels > 0  ? grid.height * 0.5f * height / framing.characterPixels
+                                                            : whole;
     const float distance = halfHeight / std::tan(fieldOfView * 0.5f) + grid.depth * 0.55f;
     const float yaw = glm::radians(framing.yaw);
     const glm::vec3 eye =

@@ -25,6 +25,8 @@ struct Framing {
     uint32_t height = 1080;
     float yaw = 0;  // degrees around y: 0 looks at the character's front
     Camera camera = Camera::crowd;
+    float characterPixels = 0;  // of crowd: how tall a character is drawn, whether or not all are in view then; 0: as
+                                // large as the view allows
 };
 
 // Copies fill a grid of about the image's shape; row 0 of the image is its top. The camera `crowd` has it centred and

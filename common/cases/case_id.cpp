@@ -105,6 +105,7 @@ Result<Case> parseCaseId(const std::string& id) {
 
 std::optional<Case> limitCase(const Case& c) {
     if (c.variant->skinsOnHost || c.variant->listsTriangles || c.scenario == Scenario::prepass) return std::nullopt;
+    if (c.clusterCull != ClusterCull::off) return std::nullopt;
     Case limit;
     for (const Axis& axis : axes()) {
         if (axis.ofLimit.empty() || (!axis.inPath && !axis.applies(limit))) continue;

@@ -154,6 +154,13 @@ Result<PlanInput> planInput(Workload& workload, const Case& c) {
     }
     input.encoded = kept.get();
     if (kept->meshlets) input.meshlets = &*kept->meshlets;
+    if (!c.builder && c.clusterCull == ClusterCull::list) {
+        Case usual = c;  // routes without mesh shaders have no meshlets of their own
+        usual.builder = findBuilder("meshopt");
+        auto meshlets = meshletsFor(workload, usual, **scene);
+        SKINBENCH_TRY(meshlets);
+        input.meshlets = *meshlets;
+    }
     return input;
 }
 
@@ -163,9 +170,9 @@ Result<FrameData> makeFrame(Workload& workload, int influences, uint32_t frame) 
     const WorkloadSettings& settings = workload.settings;
     const Clip* clip = chosenClip(workload);
     FrameData data;
-    data.constants = frameConstants(
-        {workload.bounds[influences], settings.copies, settings.width, settings.height, settings.yaw, settings.camera},
-        frame);
+    data.constants = frameConstants({workload.bounds[influences], settings.copies, settings.width, settings.height,
+                                     settings.yaw, settings.camera, settings.characterPixels},
+                                    frame);
 
     const uint32_t phases = std::min(settings.copies, kPhases);
     std::vector<Palette> posed(phases);
@@ -185,12 +192,29 @@ glm::dvec4 clipPosition(const FrameConstants& constants, uint32_t copy, const gl
     return glm::dmat4(constants.viewProjection) * glm::dvec4(position + offset, 1);
 }
 
-static bool isInView(const FrameConstants& constants, uint32_t copy, const glm::dvec3& position) {
-    const glm::dvec4 clip = clipPosition(constants, copy, position);
-    return clip.w > 0 && std::abs(clip.x) <= clip.w && std::abs(clip.y) <= clip.w && clip.z >= 0 && clip.z <= clip.w;
+// A bit for each plane of the view volume that the place lies beyond.
+static uint32_t planesBeyond(const glm::dvec4& clip) {
+    return uint32_t{clip.x > clip.w} | uint32_t{-clip.x > clip.w} << 1 | uint32_t{clip.y > clip.w} << 2 |
+           uint32_t{-clip.y > clip.w} << 3 | uint32_t{clip.z > clip.w} << 4 | uint32_t{clip.z < 0} << 5;
 }
 
-Result<double> shareOutOfView(Workload& workload, int influences) {
+namespace {
+
+struct Seen {
+    size_t vertices = 0, triangles = 0;
+};
+
+Seen seenOf(const Mesh& mesh, const std::vector<uint32_t>& planes) {
+    Seen seen;
+    for (uint32_t bits : planes) seen.vertices += bits == 0;
+    for (size_t i = 0; i + 2 < mesh.indices.size(); i += 3)
+        seen.triangles += (planes[mesh.indices[i]] & planes[mesh.indices[i + 1]] & planes[mesh.indices[i + 2]]) == 0;
+    return seen;
+}
+
+}  // namespace
+
+Result<InView> inView(Workload& workload, int influences) {
     const auto scene = sceneFor(workload, influences);
     SKINBENCH_TRY(scene);
     const auto frame = makeFrame(workload, influences, 0);
@@ -200,24 +224,36 @@ Result<double> shareOutOfView(Workload& workload, int influences) {
     // By phase: the box spares most copies the look at each vertex.
     std::map<uint32_t, Bounds> boxes;
     std::map<uint32_t, SkinnedReference> posed;
-    size_t outside = 0;
+    std::vector<uint32_t> planes(mesh.positions.size());
+    size_t vertices = 0, triangles = 0, seenCopies = 0;
     for (uint32_t copy = 0; copy < copies; ++copy) {
         const uint32_t phase = copy % kPhases;
         if (!boxes.contains(phase)) boxes[phase] = posedBounds(mesh, paletteOfCopy(*frame, copies, copy));
         const Bounds& bounds = boxes[phase];
-        bool whole = true;
-        for (int corner = 0; corner < 8; ++corner)
-            whole =
-                whole && isInView(frame->constants, copy,
-                                  {corner & 1 ? bounds.max.x : bounds.min.x, corner & 2 ? bounds.max.y : bounds.min.y,
-                                   corner & 4 ? bounds.max.z : bounds.min.z});
-        if (whole) continue;
-        SkinnedReference& skinned = posed[phase];
-        if (skinned.positions.empty()) skinned = skinReference(mesh, paletteOfCopy(*frame, copies, copy));
-        outside += std::ranges::count_if(skinned.positions,
-                                         [&](const glm::dvec3& p) { return !isInView(frame->constants, copy, p); });
+        uint32_t any = 0, all = ~0u;
+        for (int corner = 0; corner < 8; ++corner) {
+            const uint32_t bits = planesBeyond(
+                clipPosition(frame->constants, copy,
+                             {corner & 1 ? bounds.max.x : bounds.min.x, corner & 2 ? bounds.max.y : bounds.min.y,
+                              corner & 4 ? bounds.max.z : bounds.min.z}));
+            any |= bits, all &= bits;
+        }
+        Seen seen{mesh.positions.size(), mesh.indices.size() / 3};
+        if (all) seen = {};
+        if (any && !all) {
+            SkinnedReference& skinned = posed[phase];
+            if (skinned.positions.empty()) skinned = skinReference(mesh, paletteOfCopy(*frame, copies, copy));
+            for (size_t v = 0; v < planes.size(); ++v)
+                planes[v] = planesBeyond(clipPosition(frame->constants, copy, skinned.positions[v]));
+            seen = seenOf(mesh, planes);
+        }
+        vertices += seen.vertices, triangles += seen.triangles, seenCopies += seen.triangles > 0;
     }
-    return static_cast<double>(outside) / (static_cast<double>(copies) * static_cast<double>(mesh.positions.size()));
+    auto share = [&](size_t part, size_t ofCopy) {
+        return static_cast<double>(part) / (static_cast<double>(copies) * static_cast<double>(ofCopy));
+    };
+    return InView{share(vertices, mesh.positions.size()), share(triangles, mesh.indices.size() / 3),
+                  share(seenCopies, 1)};
 }
 
 Result<std::vector<std::byte>> paletteBytes(const PlanInput& input, const std::optional<PaletteBlocks>& blocks,

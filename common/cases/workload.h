@@ -22,6 +22,7 @@ struct WorkloadSettings {
     uint32_t height = 1080;
     float yaw = 0;
     Camera camera = Camera::crowd;
+    float characterPixels = 0;  // of Camera::crowd: how tall a character is drawn; 0: so that all are in view
 };
 
 struct Workload {
@@ -62,8 +63,15 @@ Result<FrameData> makeFrame(Workload& workload, int influences, uint32_t frame);
 // As clipPosition of shaders_glsl/frame.glsl: a copy's skinned position before the division by w.
 glm::dvec4 clipPosition(const FrameConstants& constants, uint32_t copy, const glm::dvec3& position);
 
-// The share of all copies' vertices that the first frame places outside of the image, where nothing is rasterised.
-Result<double> shareOutOfView(Workload& workload, int influences);
+// Shares of all copies' vertices, triangles, and of the copies, that the first frame does not place outside of the
+// image, where nothing is rasterised. A triangle is outside where all its corners lie beyond one plane of the view
+// volume, a copy where all its triangles are.
+struct InView {
+    double vertices = 1;
+    double triangles = 1;
+    double copies = 1;
+};
+Result<InView> inView(Workload& workload, int influences);
 
 // What FrameInput::palette brings for a plan of that input: the rows of all copies, or, with blocks, those of each
 // copy's blocks, each block at a multiple of kPaletteAlignment. Fails as paletteRows does.

@@ -122,7 +122,7 @@ Result<ShaderText> shaderText(const ShaderLibrary& library, const ShaderRequest&
         text += std::string("#extension ") +
                 (request.dialect == MeshDialect::nv ? "GL_NV_mesh_shader" : "GL_EXT_mesh_shader") + " : require\n";
     if (request.api == Api::vulkan) text += "#extension GL_EXT_control_flow_attributes : require\n";
-    if (request.subgroups && request.stage == Stage::mesh)
+    if (request.subgroups && (request.stage == Stage::mesh || request.stage == Stage::task))
         for (const char* part : {"basic", "vote", "ballot", "shuffle"})
             text += std::string("#extension GL_KHR_shader_subgroup_") + part + " : require\n";
     for (const auto& [name, value] : defines)

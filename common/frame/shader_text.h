@@ -31,7 +31,7 @@ struct ShaderRequest {
     Stage stage = Stage::vertex;
     Api api = Api::vulkan;
     MeshDialect dialect = MeshDialect::none;
-    bool subgroups = false;  // the mesh stage shuffles and votes
+    bool subgroups = false;  // the mesh and the task stage shuffle and vote
     Defines defines{};       // STAGE_*, MESH_NV come by themselves
 };
 

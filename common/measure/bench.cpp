@@ -183,6 +183,16 @@ Result<std::vector<SkinnedVertex>> capturedVertices(const Prepared& ready) {
     return captured;
 }
 
+// The words of SLOT_VERDICT of a case that culls, else none.
+Result<std::vector<uint32_t>> readVerdicts(const Case& c, const Prepared& ready) {
+    if (c.clusterCull == ClusterCull::off && !c.variant->listsTriangles) return std::vector<uint32_t>();
+    auto bytes = ready.backend->readStream(*ready.plan, SLOT_VERDICT);
+    SKINBENCH_TRY(bytes);
+    std::vector<uint32_t> verdicts(bytes->size() / sizeof(uint32_t));
+    std::memcpy(verdicts.data(), bytes->data(), verdicts.size() * sizeof(uint32_t));
+    return verdicts;
+}
+
 Result<void> compareWithFirstImage(Runner& runner, CaseResult& result, Prepared& ready) {
     auto image = ready.backend->readImage(*ready.plan);
     SKINBENCH_TRY(image);
@@ -258,7 +268,10 @@ Result<void> verifyDrawn(Runner& runner, CaseResult& result, Prepared& ready) {
     auto captured = capturedVertices(ready);
     SKINBENCH_TRY(captured);
     const References& references = referencesFor(runner, result.theCase, ready.input, frames->back());
-    const CapturedError errors = capturedError(references, *captured);
+    auto verdicts = readVerdicts(result.theCase, ready);
+    SKINBENCH_TRY(verdicts);
+    const CapturedError errors =
+        capturedError(references, *captured, verticesLeftOut(result.theCase, ready.input, *verdicts));
     const SkinError* error = &errors.decoded;
     const std::optional<double>& bound = references.bound;
     result.accuracy =
@@ -276,6 +289,10 @@ Result<void> verifyDrawn(Runner& runner, CaseResult& result, Prepared& ready) {
     if (bound && !(errors.source.position <= *bound + runner.settings.tolerance))
         return deviceError(std::format("codec {} moves positions by {:.3g} of the diagonal (its bound: {:.3g})",
                                        result.theCase.codec->name, errors.source.position, *bound));
+    if (!verdicts->empty()) result.culling = cullingOf(result.theCase, ready.input, frames->back(), *verdicts);
+    if (result.culling && result.culling->wrong)
+        return deviceError(std::format("{} of {} meshlets were left out that can be seen", result.culling->wrong,
+                                       result.culling->meshlets));
     if (auto kept = verifyKept(runner.settings, result.theCase, ready, *frames); !kept) return kept;
     return ready.plan ? compareWithFirstImage(runner, result, ready) : Result<void>{};
 }
@@ -294,6 +311,7 @@ void verifyCase(Runner& runner, CaseResult& result) {
         result.status = same.status;
         result.reason = same.reason;
         result.accuracy = same.accuracy;
+        result.culling = same.culling;
         result.meshlets = same.meshlets;
         result.memory = same.memory;
         return;

@@ -10,6 +10,7 @@
 #include "common/cases/workload.h"
 #include "common/core/stats.h"
 #include "common/frame/backend.h"
+#include "common/measure/culling.h"
 #include "common/measure/verify.h"
 #include "common/plans/plan.h"
 #include "common/scene/skin_cpu.h"
@@ -81,6 +82,7 @@ struct CaseResult {
     uint32_t meshlets = 0;
     std::optional<MemoryBytes> memory;
     std::optional<Accuracy> accuracy;
+    std::optional<Culling> culling;  // of a frame of the first pose
 };
 
 // Of at least one sample.

@@ -20,13 +20,13 @@ static std::vector<glm::vec4> rowsOf(const PlanInput& input, const Palette& pale
     return std::move(*rows);
 }
 
-static SkinnedReference skinned(const PlanInput& input, const Mesh& mesh, const Palette& palette) {
+SkinnedReference skinnedReference(const PlanInput& input, const Mesh& mesh, const Palette& palette) {
     if (input.palette == PaletteForm{}) return skinReference(mesh, palette);
     return skinReference(mesh, rowsOf(input, palette, input.palette), input.palette);
 }
 
 static SkinnedReference referenceOf(const Case& c, const PlanInput& input, const Mesh& mesh, const Palette& palette) {
-    if (posesVertices(c)) return skinned(input, mesh, palette);
+    if (posesVertices(c)) return skinnedReference(input, mesh, palette);
     return {{mesh.positions.begin(), mesh.positions.end()}, {mesh.normals.begin(), mesh.normals.end()}, {}};
 }
 
@@ -115,16 +115,18 @@ References makeReferences(const Case& c, const PlanInput& input, const FrameData
     return references;
 }
 
-CapturedError capturedError(const References& references, std::span<const SkinnedVertex> captured) {
+CapturedError capturedError(const References& references, std::span<const SkinnedVertex> captured,
+                            std::span<const char> leftOut) {
     CapturedError worst;
     const size_t vertices = captured.size() / 2;
     for (size_t i = 0; i < references.copies.size(); ++i) {
         const References::Copy& copy = references.copies[i];
         SKINBENCH_ASSERT(copy.source.positions.size() == vertices);
         const auto part = captured.subspan(i * vertices, vertices);
-        const SkinError source = compareSkinned(copy.source, part, copy.scale);
+        const auto left = leftOut.empty() ? leftOut : leftOut.subspan(i * vertices, vertices);
+        const SkinError source = compareSkinned(copy.source, part, copy.scale, left);
         worst.source = larger(worst.source, source);
-        const SkinError own = copy.decoded ? compareSkinned(*copy.decoded, part, copy.scale) : source;
+        const SkinError own = copy.decoded ? compareSkinned(*copy.decoded, part, copy.scale, left) : source;
         worst.decoded = larger(worst.decoded, own);
     }
     return worst;
@@ -193,18 +195,6 @@ static bool isFar(const FrameData& frame, uint32_t copies, uint32_t copy) {
     return copy / columns * 2 >= (copies + columns - 1) / columns;
 }
 
-// The vertices as the shader decodes them.
-static Mesh decodedMesh(const PlanInput& input) {
-    if (input.encoded->decode) return input.encoded->decode();
-    Mesh mesh;
-    for (uint32_t source : sourcesOf(input)) {
-        mesh.positions.push_back(input.scene->mesh.positions[source]);
-        mesh.normals.push_back(input.scene->mesh.normals[source]);
-        mesh.influences.push_back(input.scene->mesh.influences[source]);
-    }
-    return mesh;
-}
-
 // The tangent that the case keeps of a vertex, counted over all copies.
 static glm::vec4 keptTangent(const SkinnedLayout& layout, const KeptBytes& bytes, size_t vertex) {
     glm::vec4 tangent(0);
@@ -247,13 +237,15 @@ KeptError keptError(const Case& c, const PlanInput& input, const FrameData& befo
         }
         const Palette now = paletteOfCopy(frame, input.copies, copy);
         if (!sides.empty())
-            worst.tangent = std::max(worst.tangent, compareSkinned(skinned(input, tangential, now), kept, 0).normal);
+            worst.tangent =
+                std::max(worst.tangent, compareSkinned(skinnedReference(input, tangential, now), kept, 0).normal);
         if (!layout.previous) continue;
         // A copy that every frame skins has shown the last pose twice.
         const bool twice = c.compute.halfRate && !isFar(frame, input.copies, copy);
         const Palette then = twice ? now : paletteOfCopy(before, input.copies, copy);
         const double scale = errorScale(input.scene->mesh, then);
-        worst.previous = std::max(worst.previous, compareSkinned(skinned(input, mesh, then), kept, scale).position);
+        worst.previous =
+            std::max(worst.previous, compareSkinned(skinnedReference(input, mesh, then), kept, scale).position);
     }
     return worst;
 }

@@ -40,11 +40,15 @@ struct References {
     std::optional<double> bound;         // codecPositionBound
     std::optional<RowsError> rowsError;  // of such palettes
 };
+// The vertices of `mesh` as the rows of such palettes move them.
+SkinnedReference skinnedReference(const PlanInput& input, const Mesh& mesh, const Palette& palette);
+
 References makeReferences(const Case& c, const PlanInput& input, const FrameData& frame);
 
 // `captured` holds the encoded vertices of the first copy, then those of the last one, as the references' frame poses
-// them. A single copy is captured in the first half only.
-CapturedError capturedError(const References& references, std::span<const SkinnedVertex> captured);
+// them. A single copy is captured in the first half only. Vertices that are marked in `leftOut` are not compared.
+CapturedError capturedError(const References& references, std::span<const SkinnedVertex> captured,
+                            std::span<const char> leftOut = {});
 
 // The largest CapturedError::source.position that the codec's bounds (CodecBounds) and the joint transforms of `frame`
 // allow, over the vertices that capturedError compares; 0 for a codec that loses nothing. What the variant's own

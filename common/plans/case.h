@@ -9,6 +9,7 @@
 
 #include "common/codecs/codec.h"
 #include "common/frame/backend.h"
+#include "common/meshlets/cluster_bounds.h"
 #include "common/meshlets/common_influences.h"
 #include "common/meshlets/meshlets.h"
 #include "common/scene/palette_rows.h"
@@ -44,6 +45,12 @@ enum class Cull { off = CULL_OFF, compact = CULL_COMPACT, primitive = CULL_PRIMI
 // How the lanes of a culling mesh work group see each other's positions. automatic: where the device's subgroup is the
 // work group by shuffles, or, with Cull::torabi on NV, in the outputs; else through shared memory.
 enum class Exchange { automatic, shuffle, shared, outputs };
+
+// Whole meshlets that cannot be seen are left out.
+// task: a task stage in front of the mesh stage tests them.
+// list: a compute pass lists those that are drawn, for an indirect draw, or for the pass of `compute-cull` that tests
+//       triangles.
+enum class ClusterCull { off = CLUSTER_OFF, task = CLUSTER_TASK, list = CLUSTER_LIST };
 
 // direct:  skinned where it is drawn, once.
 // prepass: the first pass lays down the depth and keeps the skinned vertices, the second draws them where the depth is
@@ -111,6 +118,7 @@ struct Variant {
     bool listsTriangles = false;  // a pass before the draw lists those that Case::triangleTests leave
     bool fetches = false;         // VertexFetch means something to it on plain routes
     bool prepasses = false;       // can draw Scenario::prepass
+    bool cullsMeshlets = false;   // ClusterCull means something to it
     StoredAs storedAs = StoredAs::sceneVertices;
     uint32_t vertexBlocks = 2;  // storage blocks of its vertex stages on plain routes, with that of verifying plans
     Result<FramePlan> (*plan)(const Case& c, const PlanInput& input, const DeviceCaps& caps);
@@ -150,6 +158,9 @@ struct Case {
     uint32_t paletteSlots = 32;  // of the variant `palette`
     ComputeOptions compute;
     uint32_t triangleTests = TEST_FRUSTUM | TEST_BACK | TEST_SMALL;  // of the variant `compute-cull`
+    ClusterCull clusterCull = ClusterCull::off;
+    uint32_t clusterTests = CLUSTER_TEST_FRUSTUM | CLUSTER_TEST_CONE;
+    ClusterBounds clusterBounds = ClusterBounds::jointSpheres;
     View view = View::shaded;
 };
 

@@ -49,12 +49,21 @@ Result<FramePlan> makePlan(const Case& c, const PlanInput& input, const DeviceCa
 
 MemoryBytes memoryOfOneCopy(const FramePlan& plan, uint32_t copies) {
     static const std::map<uint32_t, uint64_t MemoryBytes::*> kinds = {
-        {SLOT_VERTEX, &MemoryBytes::vertex},        {SLOT_TANGENT, &MemoryBytes::vertex},
-        {SLOT_INDEX, &MemoryBytes::index},          {SLOT_VISIBLE, &MemoryBytes::index},
-        {SLOT_COMMAND, &MemoryBytes::index},        {SLOT_MESHLET, &MemoryBytes::meshlet},
-        {SLOT_MESHLET_DATA, &MemoryBytes::meshlet}, {SLOT_MESHLET_EXTRA, &MemoryBytes::additionalMeshlet},
-        {SLOT_TUPLE, &MemoryBytes::tuple},          {SLOT_SKINNED_TANGENT, &MemoryBytes::skinned},
+        {SLOT_VERTEX, &MemoryBytes::vertex},
+        {SLOT_TANGENT, &MemoryBytes::vertex},
+        {SLOT_INDEX, &MemoryBytes::index},
+        {SLOT_VISIBLE, &MemoryBytes::index},
+        {SLOT_COMMAND, &MemoryBytes::index},
+        {SLOT_MESHLET, &MemoryBytes::meshlet},
+        {SLOT_MESHLET_DATA, &MemoryBytes::meshlet},
+        {SLOT_MESHLET_EXTRA, &MemoryBytes::additionalMeshlet},
+        {SLOT_TUPLE, &MemoryBytes::tuple},
+        {SLOT_SKINNED_TANGENT, &MemoryBytes::skinned},
         {SLOT_SKINNED, &MemoryBytes::skinned},
+        {SLOT_CLUSTER, &MemoryBytes::additionalMeshlet},
+        {SLOT_CLUSTER_PART, &MemoryBytes::additionalMeshlet},
+        {SLOT_CLUSTER_LIST, &MemoryBytes::additionalMeshlet},
+        {SLOT_INSTANCE, &MemoryBytes::additionalMeshlet},
     };
     MemoryBytes memory;
     for (const Stream& stream : plan.streams)

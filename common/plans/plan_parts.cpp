@@ -59,7 +59,9 @@ void setDefine(Defines& defines, const std::string& name, const std::string& val
 Result<Program> makeProgram(const Case& c, const PlanInput& input, const char* label,
                             std::initializer_list<StageFile> stages, const Defines& defines) {
     const bool shuffles = std::ranges::any_of(defines, [](const auto& define) {
-        return (define.first == "EXCHANGE_SHUFFLE" || define.first == "EXCHANGE_OUTPUTS") && define.second == "1";
+        return (define.first == "EXCHANGE_SHUFFLE" || define.first == "EXCHANGE_OUTPUTS" ||
+                define.first == "TASK_BALLOT") &&
+               define.second == "1";
     });
     Program program;
     program.label = label;
@@ -133,9 +135,9 @@ void addSkinnedStream(FramePlan& plan, const PlanInput& input, uint32_t use, uin
         {.slot = SLOT_SKINNED, .use = use, .gpuBytes = uint64_t{input.copies} * input.encoded->vertexCount * stride});
 }
 
-// The vertices that the triangles name, as the case stores them. Both passes of a pre-pass must start a triangle at the
-// same corner, or their interpolated depths differ in the last bit; and a codec may have split what the meshlets name.
-static std::vector<uint32_t> drawnIndices(const PlanInput& input) {
+// Both passes of a pre-pass must start a triangle at the same corner, or their interpolated depths differ in the last
+// bit; and a codec may have split what the meshlets name.
+std::vector<uint32_t> drawnIndices(const PlanInput& input) {
     if (!input.meshlets) return input.records ? input.records->mesh.indices : input.scene->mesh.indices;
     return triangleList(*input.meshlets);
 }
@@ -190,12 +192,6 @@ static std::string diagonalText(const Mesh& mesh) {
     return std::format("{:.9e}", bounds.diagonal());
 }
 
-// A command a copy, or one for all.
-static void addListedDraws(Pass& pass, const Case& c, const PlanInput& input) {
-    const uint32_t commands = c.submission == Submission::batched ? 1 : input.copies;
-    for (uint32_t i = 0; i < commands; ++i) pass.draws.push_back({.constants = {i, 0, 0, 0}, .command = i});
-}
-
 Result<void> addSkinnedDraw(FramePlan& plan, const Case& c, const PlanInput& input, bool depthOnly) {
     Defines defines = caseDefines(c, input);
     setDefine(defines, "PALETTE_UNIFORM", "0");
@@ -225,7 +221,7 @@ Result<void> addSkinnedDraw(FramePlan& plan, const Case& c, const PlanInput& inp
     pass.program = static_cast<uint32_t>(plan.programs.size() - 1);
     if (c.scenario == Scenario::prepass && !depthOnly) drawWhereEqual(pass);
     if (c.variant->listsTriangles)
-        addListedDraws(pass, c, input);
+        addListedDraws(pass, c, input, 0);
     else
         addIndexedDraws(plan, pass, c, input);
     plan.passes.push_back(std::move(pass));

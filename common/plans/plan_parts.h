@@ -54,9 +54,15 @@ SkinnedLayout skinnedLayout(const Case& c);
 // Room for every vertex of every copy.
 void addSkinnedStream(FramePlan& plan, const PlanInput& input, uint32_t use, uint32_t stride = sizeof(SkinnedVertex));
 
+// The vertices that the triangles name, as the case stores them; in the order of the meshlets where there are any.
+std::vector<uint32_t> drawnIndices(const PlanInput& input);
+
 // An indexed draw a copy, or one for all: then the indices of copy c already count from c * vertexCount. The index
 // stream is added once.
 void addIndexedDraws(FramePlan& plan, Pass& pass, const Case& c, const PlanInput& input);
+
+// A draw a copy, or one for all, by the commands from `firstCommand` on.
+void addListedDraws(Pass& pass, const Case& c, const PlanInput& input, uint32_t firstCommand);
 
 // The steps of a pixel that the rasteriser rounds positions to, or fewer.
 uint32_t rasterSubpixels(const DeviceCaps& caps);
@@ -64,6 +70,23 @@ uint32_t rasterSubpixels(const DeviceCaps& caps);
 // Work groups for every copy, or for all at once; draws are split where the device allows fewer groups.
 void addGroupDraws(Pass& pass, const Case& c, const PlanInput& input, uint32_t groupsOfCopy, uint32_t groupsOfAll,
                    uint32_t most);
+
+// Work groups for `all` things of all copies, or for `each` of one; the program is the plan's last.
+void addDispatches(FramePlan& plan, const char* label, const Case& c, const PlanInput& input, const DeviceCaps& caps,
+                   uint64_t each, uint32_t groupSize);
+
+// The vertices that shaders read, in the numbers that triangles and meshlets name.
+Mesh decodedMesh(const PlanInput& input);
+
+// Room for what a verifying plan of a case that culls writes to SLOT_VERDICT.
+void addVerdicts(FramePlan& plan, const Case& c, const PlanInput& input, Defines& defines);
+
+// What ClusterCull reads and writes, and the defines of its stages; then the passes in front of those that draw:
+// "bounds" with ClusterBounds::instance, "cluster" where meshlets are listed. A list's counts are the commands from 0
+// on or, with Variant::listsTriangles, those behind the draws'.
+void addClusters(FramePlan& plan, const Case& c, const PlanInput& input, const DeviceCaps& caps, Defines& defines);
+Result<void> addClusterPasses(FramePlan& plan, const Case& c, const PlanInput& input, const DeviceCaps& caps,
+                              const Defines& defines);
 
 // The pass "skin": a compute work group for every COMPUTE_GROUP vertices writes SLOT_SKINNED, which must be there.
 // More defines than the case's go to its shader.

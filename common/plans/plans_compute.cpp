@@ -32,9 +32,8 @@ Result<void> stagePalette(Defines& defines, const PlanInput& input, const Device
 
 }  // namespace
 
-// Work groups for `all` things of all copies, or for `each` of one.
-static void addDispatches(FramePlan& plan, const char* label, const Case& c, const PlanInput& input,
-                          const DeviceCaps& caps, uint64_t each, uint32_t groupSize) {
+void addDispatches(FramePlan& plan, const char* label, const Case& c, const PlanInput& input, const DeviceCaps& caps,
+                   uint64_t each, uint32_t groupSize) {
     Pass pass;
     pass.label = label;
     pass.kind = PassKind::dispatch;
@@ -72,18 +71,20 @@ Result<FramePlan> planCompute(const Case& c, const PlanInput& input, const Devic
     return plan;
 }
 
-// The commands of all draws: the device counts the indices, the rest stays.
+// The commands of all draws: the device counts the indices, the rest stays. With listed meshlets a command a copy more,
+// of the work groups that test triangles.
 static Bytes drawCommands(const Case& c, const PlanInput& input) {
     const auto indices = static_cast<uint32_t>(input.scene->mesh.indices.size());
     std::vector<DrawCommand> commands;
     for (uint32_t copy = 0; copy < (c.submission == Submission::batched ? 1 : input.copies); ++copy)
         commands.push_back(
             {.firstIndex = copy * indices, .baseVertex = static_cast<int32_t>(copy * input.encoded->vertexCount)});
+    if (c.clusterCull == ClusterCull::list) commands.resize(2 * input.copies, groupCommand(0, MeshDialect::none));
     return toBytes(commands);
 }
 
 Result<FramePlan> planComputeCull(const Case& c, const PlanInput& input, const DeviceCaps& caps) {
-    const auto& indices = input.records ? input.records->mesh.indices : input.scene->mesh.indices;
+    const std::vector<uint32_t> indices = drawnIndices(input);
     FramePlan plan = startPlan(c, input);
     addEncoded(plan, input);
     addSkinnedStream(plan, input, useStorage | useAttributes);
@@ -93,9 +94,13 @@ Result<FramePlan> planComputeCull(const Case& c, const PlanInput& input, const D
                             .use = useStorage | useIndices,
                             .gpuBytes = indices.size() * sizeof(uint32_t) * input.copies});
     plan.streams.push_back({.slot = SLOT_COMMAND, .use = useStorage | useIndirect, .bytes = drawCommands(c, input)});
-    SKINBENCH_TRY(addSkinPass(plan, c, input, caps, {{"LISTS_TRIANGLES", "1"}}));
-
     Defines defines = caseDefines(c, input);
+    addClusters(plan, c, input, caps, defines);
+    Defines skinning = defines;
+    setDefine(skinning, "LISTS_TRIANGLES", "1");
+    SKINBENCH_TRY(addSkinPass(plan, c, input, caps, skinning));
+    SKINBENCH_TRY(addClusterPasses(plan, c, input, caps, defines));
+
     const std::pair<const char*, uint64_t> more[] = {{"REUSE_SKINNED", 1},
                                                      {"TRIANGLE_COUNT", indices.size() / 3},
                                                      {"SUBPIXELS", rasterSubpixels(caps)},
@@ -106,6 +111,10 @@ Result<FramePlan> planComputeCull(const Case& c, const PlanInput& input, const D
     SKINBENCH_TRY(program);
     plan.programs.push_back(std::move(*program));
     addDispatches(plan, "cull", c, input, caps, indices.size() / 3, CULL_GROUP);
+    if (c.clusterCull == ClusterCull::list) {
+        plan.passes.back().draws.clear();
+        addListedDraws(plan.passes.back(), c, input, input.copies);
+    }
     SKINBENCH_TRY(addSkinnedDraw(plan, c, input));
     return plan;
 }

@@ -1,5 +1,6 @@
 // Frames whose geometry comes from a mesh stage.
 #include <algorithm>
+#include <format>
 
 #include "common/plans/plan_parts.h"
 
@@ -31,16 +32,12 @@ Result<Extra> makeExtra(const Case& c, const PlanInput& input) {
 
 // Per meshlet, the last influence of its vertices that weighs anything, counted from 1.
 std::vector<uint8_t> influencesOf(const PlanInput& input) {
-    const Mesh decoded = input.encoded->decode ? input.encoded->decode() : Mesh{};
-    const Mesh& stored = input.records ? input.records->mesh : input.scene->mesh;
+    const Mesh decoded = decodedMesh(input);
     std::vector<uint8_t> counts;
     for (const Meshlet& meshlet : input.meshlets->meshlets) {
         int most = 1;
         for (uint32_t i = 0; i < meshlet.vertexCount; ++i) {
-            const uint32_t v = input.meshlets->vertices[meshlet.firstVertex + i];
-            const auto& sources = input.encoded->sources;
-            const Influences& own =
-                input.encoded->decode ? decoded.influences[v] : stored.influences[sources.empty() ? v : sources[v]];
+            const Influences& own = decoded.influences[input.meshlets->vertices[meshlet.firstVertex + i]];
             for (int k = most; k < kMaxInfluences; ++k)
                 if (own.weights[k] > 0) most = k + 1;
         }
@@ -87,8 +84,10 @@ Result<void> addMeshPass(FramePlan& plan, MeshPass kind, const Case& c, const Pl
         program = makeProgram(c, input, "depth", {{Stage::mesh, "mesh.glsl"}}, defines);
     } else {
         setDefine(defines, "REUSE_SKINNED", kind == MeshPass::direct ? "0" : "1");
-        program =
-            makeProgram(c, input, "draw", {{Stage::mesh, "mesh.glsl"}, {Stage::fragment, "surface.glsl"}}, defines);
+        const StageFile mesh{Stage::mesh, "mesh.glsl"}, fragment{Stage::fragment, "surface.glsl"};
+        program = c.clusterCull == ClusterCull::task
+                      ? makeProgram(c, input, "draw", {{Stage::task, "task.glsl"}, mesh, fragment}, defines)
+                      : makeProgram(c, input, "draw", {mesh, fragment}, defines);
     }
     SKINBENCH_TRY(program);
     if (kind == MeshPass::reuse) drawWhereEqual(pass);
@@ -96,7 +95,15 @@ Result<void> addMeshPass(FramePlan& plan, MeshPass kind, const Case& c, const Pl
     pass.program = static_cast<uint32_t>(plan.programs.size() - 1);
     const uint32_t most = std::max(1u, meshLimits(caps, c.route->dialect).maxGroupCount);
     const auto meshlets = static_cast<uint32_t>(input.meshlets->meshlets.size());
-    addGroupDraws(pass, c, input, meshlets, meshlets * input.copies, std::min(most, 65535u));
+    const uint32_t each = c.clusterCull == ClusterCull::task ? TASK_GROUP : 1;
+    if (c.clusterCull == ClusterCull::list && meshlets > most)
+        return deviceError(
+            std::format("lists {} meshlets: {} starts {} work groups at once", meshlets, caps.name, most));
+    if (c.clusterCull == ClusterCull::list)
+        addListedDraws(pass, c, input, 0);
+    else
+        addGroupDraws(pass, c, input, (meshlets + each - 1) / each, (meshlets * input.copies + each - 1) / each,
+                      std::min(most, 65535u));
     plan.passes.push_back(std::move(pass));
     return {};
 }
@@ -124,8 +131,10 @@ Result<FramePlan> planMesh(const Case& c, const PlanInput& input, const DeviceCa
     const bool prepass = c.scenario == Scenario::prepass;
     FramePlan plan = startPlan(c, input);
     addEncoded(plan, input);
-    const auto defines = addMeshlets(plan, c, input, caps);
+    auto defines = addMeshlets(plan, c, input, caps);
     SKINBENCH_TRY(defines);
+    addClusters(plan, c, input, caps, *defines);
+    SKINBENCH_TRY(addClusterPasses(plan, c, input, caps, *defines));
     auto add = [&](MeshPass kind) { return addMeshPass(plan, kind, c, input, caps, *defines); };
     SKINBENCH_TRY(add(prepass ? MeshPass::depth : MeshPass::direct));
     if (!prepass) return plan;
@@ -138,10 +147,12 @@ Result<FramePlan> planMesh(const Case& c, const PlanInput& input, const DeviceCa
 Result<FramePlan> planComputeMesh(const Case& c, const PlanInput& input, const DeviceCaps& caps) {
     FramePlan plan = startPlan(c, input);
     addEncoded(plan, input);
-    const auto defines = addMeshlets(plan, c, input, caps);
+    auto defines = addMeshlets(plan, c, input, caps);
     SKINBENCH_TRY(defines);
+    addClusters(plan, c, input, caps, *defines);
     addSkinnedStream(plan, input, useStorage);
     SKINBENCH_TRY(addSkinPass(plan, c, input, caps));
+    SKINBENCH_TRY(addClusterPasses(plan, c, input, caps, *defines));
     SKINBENCH_TRY(addMeshPass(plan, MeshPass::read, c, input, caps, *defines));
     return plan;
 }

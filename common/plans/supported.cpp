@@ -11,6 +11,21 @@ static uint32_t exchangeBytes(const Case& c) {
     return c.limits.vertices * 12 + (c.limits.triangles + c.groupSize * 4);
 }
 
+static std::optional<std::string> unsupportedClusters(const Case& c, const DeviceCaps& caps) {
+    const bool plain = c.route->dialect == MeshDialect::none;
+    if (c.method != Method::lbs) return "the bounds of meshlets hold for linear blending";
+    if (c.loadsOnly) return "loads-only draws the bind pose, and the bounds are those of posed meshlets";
+    if (c.scenario == Scenario::prepass) return "meshlets that are left out keep no vertices for the second pass";
+    if (c.clusterTests & CLUSTER_TEST_CONE && c.keepBackFaces)
+        return "the test of cones drops what kept back faces draw";
+    if (c.clusterCull == ClusterCull::list && c.submission == Submission::batched)
+        return "a list has one command a copy, so copies cannot be drawn at once";
+    if (c.clusterCull == ClusterCull::task && plain) return "there is no task stage without a mesh stage";
+    if (c.clusterCull == ClusterCull::task && !meshLimits(caps, c.route->dialect).taskStages)
+        return caps.name + " has no task stages";
+    return std::nullopt;
+}
+
 static std::optional<std::string> unsupportedOptions(const Case& c, const DeviceCaps& caps) {
     if (c.cull == Cull::primitive && c.route->dialect == MeshDialect::nv)
         return "gl_CullPrimitive exists in the EXT dialect only";
@@ -81,6 +96,8 @@ std::optional<std::string> unsupported(const Case& c, const DeviceCaps& caps) {
         return std::string("codec ") + c.codec->name + " decodes in mesh stages only";
     if (c.zeroWeights == ZeroWeights::count && (c.route->dialect == MeshDialect::none || c.variant->readsSkinned))
         return "influences are counted in the headers of meshlets";
+    if (c.clusterCull != ClusterCull::off)
+        if (auto reason = unsupportedClusters(c, caps)) return reason;
     if (c.compute.tangents && c.compute.shortTangents) return "tangents are kept either long or short";
     if (c.compute.staged && c.submission == Submission::batched)
         return "a work group of a batched dispatch spans copies, so it cannot stage the palette of one";

@@ -101,6 +101,7 @@ constexpr Group kGroups[] = {
     {"counters", [](const ResultInRun& r) { return r.result.counters.has_value(); }},
     {"memory_bytes", [](const ResultInRun& r) { return r.result.memory.has_value(); }},
     {"accuracy", [](const ResultInRun& r) { return r.result.accuracy.has_value(); }},
+    {"culling", [](const ResultInRun& r) { return r.result.culling.has_value(); }},
 };
 
 std::string_view topKey(std::string_view path) { return path.substr(0, path.find('.')); }
@@ -304,6 +305,44 @@ void addAccuracy(Columns& rows) {
         inFile("accuracy.image_reference", "", accuracyOf([](const auto& a) { return a.imageReference; }), kText));
 }
 
+// What a case that culls left out, and the oracle's count beside it.
+void addCulling(Columns& rows) {
+    struct Test {
+        const char* name;
+        const char* of;
+        LeftOut Culling::*count;
+        uint64_t Culling::*all;
+    };
+    const Test tests[] = {{"frustum", "meshlets", &Culling::frustum, &Culling::meshlets},
+                          {"cone", "meshlets", &Culling::cone, &Culling::meshlets},
+                          {"frustum", "triangles", &Culling::triangleFrustum, &Culling::triangles},
+                          {"back", "triangles", &Culling::triangleBack, &Culling::triangles},
+                          {"small", "triangles", &Culling::triangleSmall, &Culling::triangles}};
+    // Null where nothing of the kind is tested.
+    auto number = [](uint64_t Culling::*all, auto value) {
+        return resultOf([all, value](const CaseResult& r) {
+            return (*r.culling).*all ? std::optional<uint64_t>(value(*r.culling)) : std::nullopt;
+        });
+    };
+    for (const Test& test : tests) {
+        const std::string all = std::string("culling.") + test.of, name = all + "_" + test.name;
+        if (std::ranges::find(rows, all, &Column::path) == rows.end())
+            rows.push_back({.path = all, .value = number(test.all, [test](const Culling& c) { return c.*test.all; })});
+        rows.push_back({.path = name,
+                        .value = number(test.all, [test](const Culling& c) { return (c.*test.count).count; }),
+                        .per = all,
+                        .scale = 100,
+                        .digits = 1,
+                        .page = PageColumn{std::string(test.of) + " by " + test.name, "%", "culling"}});
+        rows.push_back({.path = name + "_possible",
+                        .value = number(test.all, [test](const Culling& c) { return (c.*test.count).possible; }),
+                        .per = all,
+                        .scale = 100,
+                        .digits = 1,
+                        .page = PageColumn{"possible", "%", "culling"}});
+    }
+}
+
 // The value as people read it; empty where there is none.
 std::optional<double> printedNumber(const Column& column, const Json& row) {
     auto number = [&](std::string_view path) -> std::optional<double> {
@@ -331,6 +370,7 @@ std::vector<Column>& columnTable() {
         addRates(table);
         addMemory(table);
         addAccuracy(table);
+        addCulling(table);
         return table;
     }();
     return rows;

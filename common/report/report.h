@@ -27,7 +27,7 @@ struct RunContext {
     std::string sceneName;
     SceneStats scene;  // prepared with `influences`
     WorkloadSettings workload;
-    std::optional<double> verticesInView;  // the share of all copies', in the first frame
+    std::optional<InView> inView;
     BenchSettings bench;
     std::vector<Calibration> calibrations;
     std::map<Api, double> copyBandwidth;                 // bytes a second, by API that was opened

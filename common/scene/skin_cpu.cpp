@@ -78,11 +78,13 @@ void skinOnCpu(const CpuSkinJob& job, unsigned threads) {
     parallelEach(workers, [&](size_t worker) { skinRange(job, vertices, rangeEnd(worker), rangeEnd(worker + 1)); });
 }
 
-SkinError compareSkinned(const SkinnedReference& reference, std::span<const SkinnedVertex> measured, double scale) {
+SkinError compareSkinned(const SkinnedReference& reference, std::span<const SkinnedVertex> measured, double scale,
+                         std::span<const char> leftOut) {
     SKINBENCH_ASSERT(reference.positions.size() == measured.size());
     constexpr double kInfinity = std::numeric_limits<double>::infinity();
     SkinError worst;
     for (size_t v = 0; v < measured.size(); ++v) {
+        if (!leftOut.empty() && leftOut[v]) continue;
         if (!reference.undecided.empty() && reference.undecided[v]) {
             ++worst.undecided;
             continue;

@@ -48,8 +48,10 @@ void skinOnCpu(const CpuSkinJob& job, unsigned threads);
 struct SkinError {
     double position = 0;
     double normal = 0;
-    size_t undecided = 0;  // vertices that were left out
+    size_t undecided = 0;  // vertices of SkinnedReference::undecided, which are not compared
 };
-SkinError compareSkinned(const SkinnedReference& reference, std::span<const SkinnedVertex> measured, double scale);
+// `leftOut`: empty, or for each vertex whether it is not compared.
+SkinError compareSkinned(const SkinnedReference& reference, std::span<const SkinnedVertex> measured, double scale,
+                         std::span<const char> leftOut = {});
 
 }  // namespace skinbench

@@ -246,23 +246,29 @@ TEST_CASE("a turned character stays in the view") {
 
 TEST_CASE("what leaves the image is counted") {
     Workload workload = workloadOf(tinyScene(), {.copies = 40, .width = 640, .height = 360});
-    CHECK(shareOutOfView(workload, 4) == 0.0);
+    CHECK(inView(workload, 4)->vertices == 1.0);
+    CHECK(inView(workload, 4)->triangles == 1.0);
+    CHECK(inView(workload, 4)->copies == 1.0);
     Workload one = workloadOf(tinyScene(), {.width = 640, .height = 360});
-    CHECK(shareOutOfView(one, 4) == 0.0);
+    CHECK(inView(one, 4)->vertices == 1.0);
     // A view of a quarter of the character.
     Bounds& bounds = one.bounds[4];
     const glm::vec3 middle = (bounds.min + bounds.max) * 0.5f;
     bounds = {glm::mix(middle, bounds.min, 0.25f), glm::mix(middle, bounds.max, 0.25f)};
-    const auto share = shareOutOfView(one, 4);
-    REQUIRE(share);
-    CHECK(*share > 0.3);
-    CHECK(*share < 1);
+    const auto seen = inView(one, 4);
+    REQUIRE(seen);
+    CHECK(seen->vertices < 0.7);
+    CHECK(seen->vertices > 0);
+    // A triangle may be seen with all its corners outside, not the other way round.
+    CHECK(seen->triangles > seen->vertices / 2);
+    CHECK(seen->triangles < 1);
+    CHECK(seen->copies == 1.0);
 }
 
 TEST_CASE("cameras have less in view than the crowd, or all of it at one place") {
     const auto share = [](Camera camera) {
         Workload workload = workloadOf(tinyScene(), {.copies = 60, .width = 640, .height = 360, .camera = camera});
-        return 1 - *shareOutOfView(workload, 4);
+        return inView(workload, 4)->vertices;
     };
     CHECK(share(Camera::crowd) == 1.0);
     CHECK(share(Camera::close) == 1.0);
@@ -270,6 +276,9 @@ TEST_CASE("cameras have less in view than the crowd, or all of it at one place")
     CHECK(share(Camera::half) < 0.65);
     CHECK(share(Camera::inside) > 0.02);
     CHECK(share(Camera::inside) < 0.4);
+    Workload half = workloadOf(tinyScene(), {.copies = 60, .width = 640, .height = 360, .camera = Camera::half});
+    CHECK(inView(half, 4)->copies < 1);
+    CHECK(inView(half, 4)->copies > share(Camera::half));
     Workload close = workloadOf(tinyScene(), {.copies = 60, .width = 640, .height = 360, .camera = Camera::close});
     Workload one = workloadOf(tinyScene(), {.width = 640, .height = 360});
     const FrameConstants together = frameOf(close, 0).constants;

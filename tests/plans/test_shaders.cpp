@@ -52,7 +52,7 @@ TEST_CASE("a device that loses the last mesh output gets a spare one in its mesh
         for (size_t p = 0; p < faulty->programs.size(); ++p)
             for (size_t s = 0; s < faulty->programs[p].stages.size(); ++s) {
                 const ShaderText& shader = faulty->programs[p].stages[s];
-                const bool differs = faulty->programs[p].stages.front().stage == Stage::mesh;
+                const bool differs = hasStage(faulty->programs[p], Stage::mesh);
                 INFO(shader.name);
                 CHECK((shader.text != healthy->programs[p].stages[s].text) == differs);
                 if (!differs) continue;

@@ -14,6 +14,7 @@ SMALL = ["--copies", "1", "--frames", "2", "--size", "64x64"]
 RUNS = {  # skipped, prepass and host-skinned cases; pairs and limits
     "cases": ["--routes", "cpu,vk,vk-ext,vk-nv", "--variants", "vertex,cpu,mesh-ci", "--scenario", "prepass",
               "--compute", "plain"],
+    "culling": ["--routes", "vk", "--variants", "compute-cull", "--cluster-cull", "list"],
     "pairs": ["--routes", "cpu,vk-ext", "--variants", "cpu,mesh", "--self-test"],
 }
 

@@ -30,6 +30,7 @@ CaseResult timedResult() {
     result.counters = Counters{};
     result.memory = MemoryBytes{.vertex = 512, .skinned = 512};
     result.accuracy = Accuracy{{1e-7, 1e-6}, 2e-6, {1e-7, 1e-6}, 0.5, "vk/vertex/uc"};
+    result.culling = Culling{.meshlets = 8, .frustum = {3, 4}, .triangles = 90, .triangleSmall = {20, 30}};
     return result;
 }
 

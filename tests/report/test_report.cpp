@@ -144,9 +144,24 @@ TEST_CASE("the result file has the keys of its schema") {
     CHECK(keysOf(json["host"]) == Keys{"os", "cpu"});
     CHECK(keysOf(json["scene"]) ==
           Keys{"name", "vertices", "triangles", "joints", "unique_tuples", "mean_influences", "max_influences"});
-    const Keys settings = {"copies",       "frames", "warmup",           "width",    "height",
-                           "pose",         "camera", "vertices_in_view", "rounds",   "precision",
-                           "time_limit_s", "seed",   "placement",        "geometry", "cache_order"};
+    const Keys settings = {"copies",
+                           "frames",
+                           "warmup",
+                           "width",
+                           "height",
+                           "pose",
+                           "camera",
+                           "character_pixels",
+                           "vertices_in_view",
+                           "triangles_in_view",
+                           "copies_in_view",
+                           "rounds",
+                           "precision",
+                           "time_limit_s",
+                           "seed",
+                           "placement",
+                           "geometry",
+                           "cache_order"};
     CHECK(keysOf(json["settings"]) == settings);
     REQUIRE(json["devices"].size() == 2);
     const Keys device = keysOf(json["devices"][0]);
@@ -159,7 +174,7 @@ TEST_CASE("the result file has the keys of its schema") {
                              "cull",         "scenario",    "raster",      "options",         "work",     "status",
                              "reason",       "gpu_ms",      "passes_ms",   "unserialised_ms", "host_ms",  "limit_ms",
                              "limit_id",     "baseline_ms", "baseline_id", "achieved",        "counters", "meshlets",
-                             "memory_bytes", "accuracy"};
+                             "memory_bytes", "accuracy",    "culling"};
         CHECK(keysOf(row) == wanted);
         for (const auto& [option, value] : row["options"].items()) CHECK(value.is_string());
     }
@@ -209,7 +224,8 @@ TEST_CASE("the values of the result file") {
         {"back_faces", "culled"},     {"meshlet_vertices", "64"}, {"meshlet_triangles", "124"},
         {"group_size", "32"},         {"joints", "vertex"},       {"loads", "guarded"},
         {"records", "indexed"},       {"palette", "storage"},     {"method", "lbs"},
-        {"palette_rows", "f32"},      {"zero_weights", "skip"},   {"arithmetic", "all"}};
+        {"palette_rows", "f32"},      {"zero_weights", "skip"},   {"arithmetic", "all"},
+        {"cluster_cull", "off"}};
     CHECK(nlohmann::json(mesh["options"]) == options);
     CHECK(json["cases"][1]["passes_ms"]["skin"] == 0.2);
     CHECK(json["cases"][1]["accuracy"]["image_difference"] == 0.25);

@@ -1,0 +1,101 @@
+// Culling of whole meshlets, in front of the stages that draw them.
+#include <algorithm>
+#include <format>
+
+#include "common/plans/plan_parts.h"
+
+namespace skinbench {
+namespace {
+
+// A work group a copy; where a draw sees one copy's palette alone, a draw a copy.
+void addCopyDispatches(FramePlan& plan, const char* label, const Case& c, const PlanInput& input,
+                       const DeviceCaps& caps) {
+    Pass pass;
+    pass.label = label;
+    pass.kind = PassKind::dispatch;
+    pass.program = static_cast<uint32_t>(plan.programs.size() - 1);
+    const auto blocks = paletteBlocks(c, input);
+    const uint32_t most = blocks ? 1 : std::max(1u, std::min(caps.maxComputeGroupCount, 65535u));
+    for (uint32_t copy = 0; copy < input.copies; copy += most)
+        pass.draws.push_back({.count = std::min(most, input.copies - copy),
+                              .constants = {copy, 0, 0, 0},
+                              .paletteOffset = blocks ? blocks->stride() * copy : 0});
+    plan.passes.push_back(std::move(pass));
+}
+
+Result<void> addCopyPass(FramePlan& plan, const char* label, const char* file, const Case& c, const PlanInput& input,
+                         const DeviceCaps& caps, const Defines& defines) {
+    Defines own = defines;
+    setDefine(own, "SPARE_OUTPUT", "0");  // of mesh stages alone
+    auto program = makeProgram(c, input, label, {{Stage::compute, file}}, own);
+    SKINBENCH_TRY(program);
+    plan.programs.push_back(std::move(*program));
+    addCopyDispatches(plan, label, c, input, caps);
+    return {};
+}
+
+}  // namespace
+
+Mesh decodedMesh(const PlanInput& input) {
+    return decodeOnCpu(input.records ? input.records->mesh : input.scene->mesh, *input.encoded);
+}
+
+void addVerdicts(FramePlan& plan, const Case& c, const PlanInput& input, Defines& defines) {
+    const bool tests = c.clusterCull != ClusterCull::off;
+    const uint64_t verdicts = tests ? uint64_t{input.meshlets->meshlets.size()} * input.copies : 0;
+    setDefine(defines, "FIRST_COUNTED", std::to_string(verdicts));
+    if (input.capture && (tests || c.variant->listsTriangles))
+        plan.streams.push_back({.slot = SLOT_VERDICT, .gpuBytes = (verdicts + COUNTED_WORDS) * sizeof(uint32_t)});
+}
+
+void addClusters(FramePlan& plan, const Case& c, const PlanInput& input, const DeviceCaps& caps, Defines& defines) {
+    addVerdicts(plan, c, input, defines);
+    if (c.clusterCull == ClusterCull::off) return;
+    const ClusterSet set = boundClusters(decodedMesh(input), *input.meshlets, c.clusterBounds);
+    const PackedClusters packed = packClusters(set, *input.meshlets, c.clusterBounds);
+    addStream(plan, SLOT_CLUSTER, useStorage, toBytes(packed.clusters), input.copies);
+    addStream(plan, SLOT_CLUSTER_PART, useStorage, toBytes(packed.parts), input.copies);
+    if (c.clusterBounds == ClusterBounds::instance)
+        plan.streams.push_back({.slot = SLOT_INSTANCE, .gpuBytes = uint64_t{input.copies} * 2 * sizeof(glm::vec4)});
+    if (c.clusterCull == ClusterCull::list)
+        plan.streams.push_back(
+            {.slot = SLOT_CLUSTER_LIST, .gpuBytes = input.meshlets->meshlets.size() * sizeof(uint32_t) * input.copies});
+    if (c.clusterCull == ClusterCull::list && !c.variant->listsTriangles)
+        plan.streams.push_back(
+            {.slot = SLOT_COMMAND,
+             .use = useStorage | useIndirect,
+             .bytes = toBytes(std::vector<DrawCommand>(input.copies, groupCommand(0, c.route->dialect)))});
+    const bool ballots = c.clusterCull == ClusterCull::task && caps.meshSubgroups && caps.subgroupSize == TASK_GROUP;
+    const std::pair<const char*, std::string> more[] = {
+        {"MESHLET_COUNT", std::to_string(input.meshlets->meshlets.size())},
+        {"CLUSTER_PARTS", std::to_string(set.parts.size())},
+        {"CLUSTER_SCALE", std::format("{:.9e}", packed.scale)},
+        {"WEIGHT_ERROR", std::format("{:.9e}", set.weightError)},
+        {"FIRST_GROUP_COMMAND", c.variant->listsTriangles ? std::to_string(input.copies) : "0"},
+        {"TASK_BALLOT", ballots ? "1" : "0"},
+        {"SUBPIXELS", std::to_string(rasterSubpixels(caps))},
+        {"IMAGE_WIDTH", std::to_string(input.width)},
+        {"IMAGE_HEIGHT", std::to_string(input.height)}};
+    for (const auto& [name, value] : more) setDefine(defines, name, value);
+}
+
+Result<void> addClusterPasses(FramePlan& plan, const Case& c, const PlanInput& input, const DeviceCaps& caps,
+                              const Defines& defines) {
+    if (c.clusterCull == ClusterCull::off) return {};
+    const bool tests = (c.clusterTests & CLUSTER_TEST_FRUSTUM) != 0;
+    if (c.clusterBounds == ClusterBounds::instance && tests)
+        SKINBENCH_TRY(addCopyPass(plan, "bounds", "bound_instances.glsl", c, input, caps, defines));
+    if (c.clusterCull == ClusterCull::list)
+        SKINBENCH_TRY(addCopyPass(plan, "cluster", "list_clusters.glsl", c, input, caps, defines));
+    return {};
+}
+
+void addListedDraws(Pass& pass, const Case& c, const PlanInput& input, uint32_t firstCommand) {
+    const auto blocks = paletteBlocks(c, input);
+    for (uint32_t copy = 0; copy < (c.submission == Submission::batched ? 1 : input.copies); ++copy)
+        pass.draws.push_back({.constants = {copy, 0, 0, 0},
+                              .paletteOffset = blocks ? blocks->stride() * copy : 0,
+                              .command = firstCommand + copy});
+}
+
+}  // namespace skinbench

@@ -1,0 +1,40 @@
+// The pass "cluster": the meshlets of a copy that are drawn, in their order, and how many. One work group does a copy,
+// LIST_GROUP meshlets at a time, so that no two of them race for a place.
+#if STAGE_COMPUTE
+#include "cluster_tests.glsl"
+#include "commands.glsl"
+
+layout(local_size_x = LIST_GROUP) in;
+
+layout(std430, binding = SLOT_CLUSTER_LIST) writeonly restrict buffer ClusterListBlock { uint listedMeshlets[]; };
+
+shared uint drawnBits[LIST_GROUP / 32];
+
+void main() {
+    uint copyNumber = gl_WorkGroupID.x + drawConstants.x;
+    uint lane = gl_LocalInvocationID.x;
+    uint listed = 0u;
+    for (uint first = 0u; first < uint(MESHLET_COUNT); first += uint(LIST_GROUP)) {
+        uint number = first + lane;
+        if (lane < uint(LIST_GROUP / 32)) drawnBits[lane] = 0u;
+        memoryBarrierShared();
+        barrier();
+        bool drawn = number < uint(MESHLET_COUNT) && isClusterDrawn(number, copyNumber);
+        if (drawn) atomicOr(drawnBits[lane / 32u], 1u << (lane % 32u));
+        memoryBarrierShared();
+        barrier();
+        uint before = uint(bitCount(drawnBits[lane / 32u] & ((1u << (lane % 32u)) - 1u)));
+        uint total = 0u;
+        for (uint word = 0u; word < uint(LIST_GROUP / 32); ++word) {
+            uint count = uint(bitCount(drawnBits[word]));
+            if (word < lane / 32u) before += count;
+            total += count;
+        }
+        if (drawn) listedMeshlets[copyNumber * uint(MESHLET_COUNT) + listed + before] = number;
+        listed += total;
+        memoryBarrierShared();
+        barrier();
+    }
+    if (lane == 0u) commands[uint(FIRST_GROUP_COMMAND) + copyNumber].count = listed;
+}
+#endif
