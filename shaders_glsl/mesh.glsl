@@ -27,12 +27,22 @@ void writeVertex(Meshlet meshlet, uint i, LaneVertex made) {
 #if CULL == CULL_COMPACT
 #include "cull.glsl"
 
-// Nothing is written before it is known how many triangles are left, so each lane keeps its vertices until then.
+// A lane's vertices are written as they are made, or kept until it is known how many triangles are left.
+void finishVertex(Meshlet meshlet, uint i, LaneVertex made, vec4 clip) {
+    saveVertex(meshlet, made);
+#if WRITES_FIRST
+    emitMeshVertex(i, clip, made.skinned.normal, made.uv, made.color);
+#endif
+}
+
 void main() {
     Meshlet meshlet = loadMeshlet();
     uvec3 words[FOURS_OF_LANE];
     UNROLL for (uint k = 0u; k < FOURS_OF_LANE; ++k) words[k] = meshletFourTriangles(meshlet, clampedFour(meshlet, k));
     stageJoints(meshlet);
+#if WRITES_FIRST && !MESH_NV
+    setMeshletCounts(meshlet.vertexCount, meshlet.triangleCount);
+#endif
 
     LaneVertex made[VERTICES_OF_LANE];
     vec4 clip[VERTICES_OF_LANE];
@@ -41,13 +51,13 @@ void main() {
 #if CLAMPED_LOADS
         made[k] = makeVertex(meshlet, min(i, meshlet.vertexCount - 1u));
         clip[k] = clipPosition(made[k].skinned.position, meshlet.copyNumber);
-        if (i < meshlet.vertexCount) saveVertex(meshlet, made[k]);
+        if (i < meshlet.vertexCount) finishVertex(meshlet, i, made[k], clip[k]);
 #else
         clip[k] = vec4(0.0, 0.0, 0.0, 1.0);
         if (i < meshlet.vertexCount) {
             made[k] = makeVertex(meshlet, i);
             clip[k] = clipPosition(made[k].skinned.position, meshlet.copyNumber);
-            saveVertex(meshlet, made[k]);
+            finishVertex(meshlet, i, made[k], clip[k]);
         }
 #endif
         offerVertex(i, k, clip[k]);
@@ -60,14 +70,20 @@ void main() {
         countKept(k, kept[k]);
     }
     uint total = finishCount();
+#if !WRITES_FIRST
     setMeshletCounts(total == 0u ? 0u : meshlet.vertexCount, total);
     if (total == 0u) return;
-
     UNROLL for (uint k = 0u; k < VERTICES_OF_LANE; ++k) {
         uint i = gl_LocalInvocationID.x + k * uint(GROUP_SIZE);
         if (i < meshlet.vertexCount)
             emitMeshVertex(i, clip[k], made[k].skinned.normal, made[k].uv, made[k].color);
     }
+#elif MESH_NV
+    setMeshletCounts(meshlet.vertexCount, total);
+#else
+    for (uint dropped = total + gl_LocalInvocationID.x; dropped < meshlet.triangleCount; dropped += uint(GROUP_SIZE))
+        writeTriangle(dropped, uvec3(0u));
+#endif
     UNROLL for (uint k = 0u; k < FOURS_OF_LANE; ++k) writeKept(k, kept[k], words[k]);
 }
 

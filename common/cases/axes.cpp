@@ -17,6 +17,7 @@ bool skinsMeshlets(const Case& c) { return onMeshRoute(c) && c.variant->skins; }
 bool skinsInMesh(const Case& c) { return skinsMeshlets(c) && !c.variant->readsSkinned; }
 bool choosesJoints(const Case& c) { return skinsInMesh(c) && !sharesJointLists(c); }
 bool culls(const Case& c) { return c.cull != Cull::off; }
+bool compacts(const Case& c) { return c.cull == Cull::compact; }
 bool prepasses(const Case& c) { return c.variant->prepasses; }
 bool skinsOnDevice(const Case& c) { return c.variant->skins && !c.variant->skinsOnHost; }
 bool listsTriangles(const Case& c) { return c.variant->listsTriangles; }
@@ -404,6 +405,15 @@ void addDraws(std::vector<Axis>& rows) {
          {"shared", Exchange::shared, "shared"},
          {"outputs", Exchange::outputs, "outputs"}},
         [](Case& c) -> Exchange& { return c.exchange; }));
+    rows.back().beside = "cull";
+    rows.push_back(wordAxis<VertexWrites>({.name = "vertex_writes",
+                                           .option = {.help = ": when compact writes vertices"},
+                                           .applies = compacts,
+                                           .noun = "time of vertex writes"},
+                                          {{"auto", VertexWrites::automatic},
+                                           {"first", VertexWrites::first, "writes-first"},
+                                           {"last", VertexWrites::last, "writes-last"}},
+                                          [](Case& c) -> VertexWrites& { return c.vertexWrites; }));
     rows.back().beside = "cull";
     addClusterCulling(rows);
     rows.push_back(

@@ -46,6 +46,12 @@ enum class Cull { off = CULL_OFF, compact = CULL_COMPACT, primitive = CULL_PRIMI
 // work group by shuffles, or, with Cull::torabi on NV, in the outputs; else through shared memory.
 enum class Exchange { automatic, shuffle, shared, outputs };
 
+// When a mesh work group with Cull::compact writes its vertices.
+// first: as they are made. EXT has then declared all triangles; those to drop become triangles without an area.
+// last:  once it is known how many triangles are left, none where there is no triangle. Lanes hold them until then.
+// automatic: first, but last on EXT where vertices are only read.
+enum class VertexWrites { automatic, first, last };
+
 // Whole meshlets that cannot be seen are left out.
 // task: a task stage in front of the mesh stage tests them.
 // list: a compute pass lists those that are drawn, for an indirect draw, or for the pass of `compute-cull` that tests
@@ -153,6 +159,7 @@ struct Case {
     Scenario scenario = Scenario::direct;
     Cull cull = Cull::off;
     Exchange exchange = Exchange::automatic;
+    VertexWrites vertexWrites = VertexWrites::automatic;
     MeshShape shape;
     CommonInfluences ci;
     uint32_t paletteSlots = 32;  // of the variant `palette`
@@ -181,6 +188,9 @@ bool usesPartition(const Case& c);
 
 // Whether the case's work group is one subgroup of the device, so that lanes may exchange by shuffles or outputs.
 bool canShuffle(const Case& c, const DeviceCaps& caps);
+
+// Whether vertices are written first, of a case with Cull::compact.
+bool writesFirst(const Case& c);
 
 // Case::exchange without `automatic`, for a case that culls.
 Exchange exchangeOf(const Case& c, const DeviceCaps& caps);

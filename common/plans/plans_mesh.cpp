@@ -65,6 +65,7 @@ Defines meshDefines(const Case& c, const PlanInput& input, const DeviceCaps& cap
     set("COMMON_MESHLETS", input.records ? input.records->commonMeshlets : 0);
     set("EXCHANGE_SHUFFLE", c.cull != Cull::off && exchange == Exchange::shuffle);
     set("EXCHANGE_OUTPUTS", c.cull != Cull::off && exchange == Exchange::outputs);
+    set("WRITES_FIRST", c.cull == Cull::compact && writesFirst(c));
     set("SUBPIXELS", rasterSubpixels(caps));
     set("IMAGE_WIDTH", input.width);
     set("IMAGE_HEIGHT", input.height);

@@ -97,6 +97,11 @@ bool runsOn(const Variant& variant, const Route& route) {
 
 bool posesVertices(const Case& c) { return c.variant->skins && !c.loadsOnly; }
 
+bool writesFirst(const Case& c) {
+    if (c.vertexWrites != VertexWrites::automatic) return c.vertexWrites == VertexWrites::first;
+    return c.route->dialect == MeshDialect::nv || !c.variant->readsSkinned;
+}
+
 bool onMeshRoute(const Case& c) { return c.route->dialect != MeshDialect::none; }
 
 bool sharesJointLists(const Case& c) { return c.variant->storedAs == StoredAs::commonInfluences; }
