@@ -4,6 +4,7 @@
 #include <cmath>
 #include <cstring>
 #include <format>
+#include <set>
 
 #include "common/scene/clip_bounds.h"
 #include "common/scene/skin_cpu.h"
@@ -16,8 +17,10 @@ Result<Workload> makeWorkload(Scene scene, ShaderLibrary shaders, const Workload
     workload.shaders = std::move(shaders);
     workload.stored = std::move(scene);
     if (!settings.clip.empty() && settings.clip != "none" && !chosenClip(workload)) {
+        std::set<std::string> known;
         std::string names;
-        for (const Clip& clip : workload.stored.clips) names += (names.empty() ? "" : ", ") + clip.name;
+        for (const Clip& clip : workload.stored.clips)
+            if (known.insert(clip.name).second) names += (names.empty() ? "" : ", ") + clip.name;
         return inputError(std::format("{}: no clip '{}'; there is {}", workload.stored.name, settings.clip,
                                       names.empty() ? "none" : names));
     }

@@ -109,6 +109,12 @@ const std::vector<Case> kCases = {
      [](Gltf& g) {
          g.primitive()["targets"] = {{{"POSITION", 0}}};
      }},
+    {"its animations move no node; the rest pose is drawn",
+     [](Gltf& g) { g.tree["animations"][0]["channels"] = json::array(); }},
+    {"none of its triangles has an area at rest",
+     [](Gltf& g) {
+         g.primitive()["indices"] = g.add<uint16_t>({0, 0, 1, 2, 1, 2}, 5123, "SCALAR");
+     }},
     {"animation 1: channel 0: sampler 7 does not exist; the clip was left out",
      [](Gltf& g) {
          g.tree["animations"].push_back(g.tree["animations"][0]);
@@ -134,6 +140,18 @@ TEST_CASE("each deviation is one warning, and the file loads") {
         REQUIRE(scene->warnings.size() == 1);
         CHECK_THAT(scene->warnings[0], ContainsSubstring(one.warning));
     }
+}
+
+TEST_CASE("a clip without a name is called by its number") {
+    Gltf g = fixture::small();
+    g.tree["animations"][0]["name"] = "walk";
+    g.tree["animations"].push_back(g.tree["animations"][0]);
+    g.tree["animations"][1].erase("name");
+    const auto scene = g.load();
+    REQUIRE(scene);
+    REQUIRE(scene->clips.size() == 2);
+    CHECK(scene->clips[0].name == "walk");
+    CHECK(scene->clips[1].name == "animation 1");
 }
 
 TEST_CASE("a skeleton may be any node above all joints") {

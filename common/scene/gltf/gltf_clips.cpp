@@ -67,9 +67,10 @@ Result<Channel> makeChannel(const tinygltf::Animation& animation, const tinygltf
     return channel;
 }
 
-Result<Clip> makeClip(const tinygltf::Model& model, const tinygltf::Animation& animation, GltfData& data,
-                      const NodeOrder& order, GltfNotes& notes) {
-    Clip clip{animation.name, 0, {}};
+Result<Clip> makeClip(const tinygltf::Model& model, size_t number, GltfData& data, const NodeOrder& order,
+                      GltfNotes& notes) {
+    const tinygltf::Animation& animation = model.animations[number];
+    Clip clip{animation.name.empty() ? std::format("animation {}", number) : animation.name, 0, {}};
     std::set<std::pair<uint32_t, ChannelPath>> targets;
     for (size_t c = 0; c < animation.channels.size(); ++c) {
         const tinygltf::AnimationChannel& source = animation.channels[c];
@@ -106,7 +107,7 @@ Result<void> addClips(const tinygltf::Model& model, const GltfFaults& faults, Gl
             broken.push_back(fault->second);
             continue;
         }
-        auto clip = at(std::format("animation {}", a), makeClip(model, model.animations[a], data, order, notes));
+        auto clip = at(std::format("animation {}", a), makeClip(model, a, data, order, notes));
         if (!clip) {
             broken.push_back(clip.error().text);
             continue;
@@ -121,6 +122,8 @@ Result<void> addClips(const tinygltf::Model& model, const GltfFaults& faults, Gl
         if (keys > kMaxKeys) return inputError(std::format("its animations hold more than {} keys", kMaxKeys));
         if (!clip->channels.empty()) scene.clips.push_back(std::move(*clip));
     }
+    if (broken.empty() && scene.clips.empty() && !model.animations.empty())
+        scene.warnings.emplace_back("its animations move no node; the rest pose is drawn");
     if (broken.empty()) return {};
     if (scene.clips.empty()) return inputError(broken.front());
     scene.warnings.push_back(

@@ -348,6 +348,16 @@ void warnOfBrokenParts(const GltfTree& tree, std::vector<std::string>& warnings)
             std::format("{} parts of the file that nothing uses are broken; the first: {}", count, first));
 }
 
+// Such a mesh is skinned, but nothing of it is drawn.
+void warnOfNoArea(Scene& scene) {
+    const Mesh& mesh = scene.mesh;
+    for (size_t i = 0; i + 2 < mesh.indices.size(); i += 3) {
+        const auto corner = [&](size_t number) { return mesh.positions[mesh.indices[i + number]]; };
+        if (corner(0) != corner(1) && corner(1) != corner(2) && corner(2) != corner(0)) return;
+    }
+    scene.warnings.emplace_back("none of its triangles has an area at rest");
+}
+
 Result<Scene> buildScene(const tinygltf::Model& model, const GltfFile& file) {
     GltfData data = makeData(model, file);
     const auto order = orderNodes(model);
@@ -386,6 +396,7 @@ Result<Scene> buildScene(const tinygltf::Model& model, const GltfFile& file) {
     for (std::string& text : describe(file.tree.extensions)) scene.warnings.push_back(std::move(text));
     warnOfBrokenParts(file.tree, scene.warnings);
     warnOfMirroredJoints(in, *instances);
+    warnOfNoArea(scene);
     SKINBENCH_TRY(checkScene(scene));
     return scene;
 }
