@@ -55,6 +55,8 @@ std::string missingReason(const Runner& runner, const Case& c) {
 }  // namespace
 
 void failCase(CaseResult& result, CaseStatus status, std::string reason) {
+    const std::string place = result.id + ": ";  // the label of its plan
+    if (reason.starts_with(place)) reason.erase(0, place.size());
     result.status = status;
     result.reason = std::move(reason);
 }

@@ -56,10 +56,12 @@ std::string fastestText(const Writer& writer, const Json& answer) {
     return text + (answer["first_is"] == "same" ? ", not told apart" : "");
 }
 
+std::string tooFew() { return std::format("too few frames, {} are needed", kFewestSamples); }
+
 std::string nextText(const Writer& writer, const Json& answer) {
     return (answer["first_is"] == "same" ? "not told apart from it: " : "next: ") +
            timeText(answer, nameOf(writer, answer, "first")) + "; " + ratioText(answer) + " of that" +
-           (answer["first_is"] == "unknown" ? ", by too few frames" : "");
+           (answer["first_is"] == "unknown" ? ", by " + tooFew() : "");
 }
 
 // "mesh against compute" with a ratio below 1 is "mesh faster".
@@ -67,7 +69,7 @@ std::string verdictText(const Json& answer) {
     const std::string question = textOf(answer["question"]), between = " against ";
     const size_t place = question.find(between);
     if (answer["first_is"] == "same") return "not told apart";
-    if (answer["first_is"] == "unknown") return "too few frames";
+    if (answer["first_is"] == "unknown") return tooFew();
     return (answer["first_is"] == "faster" ? question.substr(0, place) : question.substr(place + between.size())) +
            " faster";
 }

@@ -113,12 +113,12 @@ std::string nameOfUnused(const Json& unused) {
     return printed(unused["option"]) + words;
 }
 
-// On a terminal only columns with a value, and of these as many as there is room for.
+// Columns with a value, and on a terminal as many of them as there is room for.
 void chooseColumns(Table& table, const std::vector<const Json*>& rows) {
     size_t used = 0;
     for (const Column& column : columns()) {
         const bool any = std::ranges::any_of(rows, [&](const Json* row) { return cellText(column, *row) != "-"; });
-        if (!column.terminal || (table.width && !any)) continue;
+        if (!column.terminal || !any) continue;
         table.columns.push_back(&column);
         used += widthOf(table, column) + 2;
     }
@@ -210,9 +210,7 @@ std::string reasonsText(const Table& table, const char* status) {
     std::map<std::pair<std::string, std::string>, std::vector<std::string>> namesOf;  // by reason and route
     for (const Json& row : table.results["cases"]) {
         if (row["status"] != status) continue;
-        std::string reason = printed(row["reason"]);
-        const std::string id = printed(row["id"]), route = printed(row["route"]);
-        if (reason.starts_with(id + ": ")) reason.erase(0, id.size() + 2);
+        const std::string reason = printed(row["reason"]), id = printed(row["id"]), route = printed(row["route"]);
         addOnce(reasons, reason);
         addOnce(routesOf[reason], route);
         addOnce(namesOf[{reason, route}], shortName(id, withWork(table.shared, textOf(row["work"]))));

@@ -203,11 +203,25 @@ TEST_CASE("what is not told apart from the fastest is called so, and too few fra
         result.figures = figuresOf(result);
     }
     const std::string table = tableOf(results);
-    CHECK_THAT(table, ContainsSubstring("by too few frames") && ContainsSubstring("  too few frames"));
+    CHECK_THAT(table, ContainsSubstring("by too few frames, 6 are needed") &&
+                          ContainsSubstring("  too few frames, 6 are needed"));
     // A single frame has no interval.
     CHECK(!hasLine(table, "vertex 9.985 0.00"));
     CHECK(hasLine(table, "vertex 9.985 1.00"));
     CHECK(resultsJson(contextOf(), results)["cases"][0]["gpu_ms"]["interval"].is_null());
+}
+
+TEST_CASE("a table has no column without a value, in a file neither") {
+    std::vector<CaseResult> results = {timed("vk/vertex/uc", 10)};
+    CHECK_THAT(tableOf(results, 0), ContainsSubstring("median ms") && ContainsSubstring("of vertex"));
+    results.front().total.clear();
+    results.front().roundSizes.clear();
+    results.front().passes.clear();
+    results.front().figures.reset();
+    const std::string verified = tableOf(results, 0);
+    INFO(verified);
+    CHECK(hasLine(verified, "case KiB / copy error status"));
+    CHECK(hasLine(verified, "vk/vertex/uc 1.0 1.0e-07 ok"));
 }
 
 TEST_CASE("every task has answers of its own") {
