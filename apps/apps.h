@@ -73,6 +73,15 @@ Choice chooseRoute(const std::vector<DeviceCaps>& devices);
 // What `auto` stands for on the device that a word names; an empty word becomes the number of the device.
 Result<Choice> chooseRouteOf(std::string& device);
 
+// --- crashes (crash.cpp) ---------------------------------------------------------------------------------------
+
+// From now on a crash is one line and status 1. The line names the library, says what was being done, whether the
+// address space is limited (drivers crash where it is), and which file has what was measured. Handlers that are there
+// already stay, as a sanitizer's.
+void catchCrashes();
+void noteDoing(const std::string& what);
+void noteKept(const std::string& path);
+
 // --- selectors (selectors.cpp) ---------------------------------------------------------------------------------
 
 // Which cases, of which scene, and how they are measured.
@@ -111,6 +120,7 @@ Result<std::vector<Calibration>> calibrateShapes(Workload& workload, std::vector
 
 // The settings with the devices' defaults filled in.
 Result<WorkloadSettings> workloadSettings(const Selectors& selectors, bool anyHardware);
+// Warns where fewer rounds are left than were asked for.
 BenchSettings benchSettings(const Selectors& selectors, bool anyHardware);
 
 Result<std::pair<uint32_t, uint32_t>> parseSize(const std::string& text);

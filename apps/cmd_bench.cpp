@@ -50,8 +50,10 @@ bool begin(ResultFiles& files, bool own) {
     if (files.folder.empty()) return false;
     std::error_code failed;
     if (!files.begun && !own && std::filesystem::exists(files.path("results.json"), failed)) return false;
-    if (!std::exchange(files.begun, true))
+    if (!std::exchange(files.begun, true)) {
         for (const char* name : kResultFiles) keepPrevious(files.path(name));
+        noteKept(files.path("results.json"));
+    }
     return true;
 }
 

@@ -107,7 +107,9 @@ int runRender(const RenderOptions& options) {
         return reportError(possible.error());
     auto image = render(options);
     auto saved = image ? savePng(*image, options.out) : std::unexpected(image.error());
-    return saved ? kExitDone : reportError(saved.error());
+    if (!saved) return reportError(saved.error());
+    say(options.out);
+    return kExitDone;
 }
 
 }  // namespace skinbench

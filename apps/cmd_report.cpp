@@ -39,7 +39,9 @@ int runReport(const std::vector<std::string>& given, const std::string& out) {
     }
     if (auto possible = checkOutput(out, inputs); !possible) return reportError(possible.error());
     auto written = writeWholeFile(out, reportHtml(results, files));
-    return written ? kExitDone : reportError(written.error());
+    if (!written) return reportError(written.error());
+    say(out);
+    return kExitDone;
 }
 
 }  // namespace skinbench

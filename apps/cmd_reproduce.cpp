@@ -202,8 +202,10 @@ std::vector<std::pair<std::string, std::string>> filesOf(const ReproduceOptions&
 // Files of an earlier run stay until this one has some of its own.
 void saveAll(const ReproduceOptions& options, const Thesis& thesis, const std::vector<ReproduceScene>& scenes,
              bool& begun, bool& warned) {
-    if (!std::exchange(begun, true))
+    if (!std::exchange(begun, true)) {
         for (const char* name : kFiles) keepPrevious(options.out + name);
+        noteKept(options.out + kFiles[0]);
+    }
     for (const auto& [path, text] : filesOf(options, thesis, scenes)) warnOnce(warned, writeWholeFile(path, text));
 }
 

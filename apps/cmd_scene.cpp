@@ -30,7 +30,9 @@ int runSceneExport(const std::string& name, const std::string& out) {
     for (const std::string& warning : scene->warnings) warn(scene->name + ": " + warning);
     if (auto possible = checkOutput(out, {&name, 1}); !possible) return reportError(possible.error());
     auto saved = saveGlb(*scene, out);
-    return saved ? kExitDone : reportError(saved.error());
+    if (!saved) return reportError(saved.error());
+    say(out);
+    return kExitDone;
 }
 
 }  // namespace skinbench

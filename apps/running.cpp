@@ -1,7 +1,9 @@
 #include <signal.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <atomic>
+#include <cctype>
 #include <chrono>
 #include <cmath>
 #include <filesystem>
@@ -66,7 +68,10 @@ bool interrupted() { return stopRequested != 0; }
 
 BenchEvents consoleEvents(RunContext& context) {
     BenchEvents events;
-    events.progress = drawProgress;
+    events.progress = [](const Progress& progress) {
+        noteDoing(progress.what);
+        drawProgress(progress);
+    };
     events.stop = interrupted;
     events.timing = [&context, start = std::chrono::steady_clock::now()]() mutable {
         const auto now = std::chrono::steady_clock::now();
@@ -95,7 +100,8 @@ void warnOnce(bool& warned, const Result<void>& written) {
 
 Result<void> checkSuffix(const std::string& path, const std::string& wanted) {
     const std::string suffix = std::filesystem::path(path).extension();
-    if (suffix.empty() || suffix == wanted) return {};
+    if (suffix.empty() || std::ranges::equal(suffix, wanted, {}, [](unsigned char c) { return std::tolower(c); }))
+        return {};
     return inputError(path + ": what is written is no " + suffix + " file; name one that ends in " + wanted);
 }
 
@@ -119,7 +125,7 @@ int writeOutputs(const std::vector<std::pair<std::string, std::string>>& files, 
         if (printed || &text != &files.front().second) continue;
         const std::string folder = std::filesystem::temp_directory_path();
         const std::string other = std::format("{}/skinbench-{:08x}.json", folder, std::random_device{}());
-        if (writeWholeFile(other, text)) rescued = "; its content is in " + other;
+        if (writeWholeFile(other, text)) rescued = "; the results are in " + other;
     }
     return missing.empty() ? kExitDone : reportError({Fault::device, missing + rescued});
 }

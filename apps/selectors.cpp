@@ -167,9 +167,13 @@ BenchSettings benchSettings(const Selectors& s, bool anyHardware) {
     const Preset& preset = presetOf(s, anyHardware);
     const uint32_t rounds = s.selfTest ? std::max(kSelfTestRounds, preset.rounds) : preset.rounds;
     BenchSettings settings;
-    settings.frames = s.frames ? s.frames : std::max(rounds, preset.frames);
+    const uint32_t asked = s.rounds ? s.rounds : rounds;
+    settings.frames = s.frames ? s.frames : std::max(asked, preset.frames);
     settings.warmup = s.warmupGiven ? s.warmup : preset.warmup;
-    settings.rounds = std::min(s.rounds ? s.rounds : rounds, settings.frames);
+    settings.rounds = std::min(asked, settings.frames);
+    if (s.rounds > settings.rounds)
+        warn(std::format("--rounds {} share --frames {}, at least one each: {} round{}", s.rounds, settings.frames,
+                         settings.rounds, settings.rounds == 1 ? "" : "s"));
     const bool fixed = s.frames || s.rounds;
     settings.precision = (s.precision >= 0 ? s.precision : fixed ? 0 : preset.precision) / 100;
     settings.timeLimit = s.timeLimit >= 0 ? s.timeLimit : preset.timeLimit;

@@ -151,7 +151,7 @@ void addSelectors(CLI::App& command, Selectors& s) {
         ->capture_default_str();
     command.add_option("--copies", s.copies, "characters, each with memory of its own (default: by device)")
         ->check(numberFrom(1u, 1'000'000u));
-    command.add_option("--frames", s.frames, "timed frames of a case (default: by device)")
+    command.add_option("--frames", s.frames, "timed frames of a case (default: by device, one a round at the least)")
         ->check(numberFrom(1u, 100'000u));
     command
         .add_option("--warmup", s.warmup,
@@ -480,6 +480,7 @@ void openStandardStreams() {
 
 int main(int argc, char** argv) {
     skinbench::openStandardStreams();
+    skinbench::catchCrashes();
     // A write past the limit of a file's size fails like any other.
     signal(SIGXFSZ, SIG_IGN);
     try {

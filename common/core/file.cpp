@@ -149,6 +149,7 @@ Result<void> checkOutput(const std::string& path, std::span<const std::string> i
 }
 
 Result<std::string> readWholeFile(const std::string& path) {
+    if (path.empty()) return inputError("the name of an input file is empty");
     const Descriptor file(open(path.c_str(), O_RDONLY | O_NONBLOCK | O_NOCTTY | O_CLOEXEC));
     struct stat state {};
     if (file.number < 0 || fstat(file.number, &state) != 0) return inputError(path + ": " + std::strerror(errno));

@@ -5,8 +5,9 @@
 #include <cctype>
 #include <cstdlib>
 #include <filesystem>
-#include <fstream>
 #include <sstream>
+
+#include "common/core/file.h"
 
 namespace skinbench {
 namespace fs = std::filesystem;
@@ -34,11 +35,9 @@ static Result<void> readFolder(const fs::path& folder, const std::string& prefix
     std::error_code failed;
     for (const fs::directory_entry& entry : fs::directory_iterator(folder, failed)) {
         if (!entry.is_regular_file()) continue;
-        std::ifstream file(entry.path());
-        std::ostringstream text;
-        text << file.rdbuf();
-        if (!file) return inputError(entry.path().string() + ": cannot be read");
-        library.files[prefix + entry.path().filename().string()] = std::move(text).str();
+        auto text = readWholeFile(entry.path().string());
+        SKINBENCH_TRY(text);
+        library.files[prefix + entry.path().filename().string()] = std::move(*text);
     }
     if (failed) return inputError(folder.string() + ": " + failed.message());
     return {};

@@ -374,6 +374,7 @@ TEST_CASE("outputs that would replace what is no file of their kind") {
     CHECK(readWholeFile(pathOf(results)).value_or("") == before);
     CHECK(!fs::exists(pathOf("new.json")));
     CHECK(call({"report", results, "-o", "/dev/null"}).status == 0);
+    CHECK(call({"report", results, "-o", "page.HTML"}).status == 0);
     CHECK(fs::is_character_file("/dev/null"));
     const Outcome page = call({"report", results, "-o", "/dev/stdout"});
     CHECK(page.status == 0);
@@ -438,6 +439,7 @@ TEST_CASE("files that are no results") {
     fixture::writeText("plain", "x");
     checkRefused({
         {{"report", "missing.json"}, 2, "missing.json"},
+        {{"report", ""}, 2, "the name of an input file is empty"},
         {{"report", "/usr"}, 2, "/usr: is a folder without a results.json"},
         {{"report", "empty.json"}, 2, "is not JSON"},
         {{"report", "broken.json"}, 2, "is not JSON"},
@@ -464,7 +466,7 @@ TEST_CASE("scene list, export and verify") {
 
     const Outcome saved = call({"scene", "export", "builtin:robot:2000", "out/robot.glb"});
     CHECK(saved.status == 0);
-    CHECK(saved.err == "");
+    CHECK(saved.err == "skinbench: out/robot.glb\n");
     REQUIRE(fs::exists(pathOf("out/robot.glb")));
     const Outcome verified =
         call({"verify", "out/robot.glb", "--copies", "2", "--size", "320x180", "--routes", "cpu,vk,gl", "--json"});

@@ -50,7 +50,7 @@ TEST_CASE("bench writes what it prints, and report makes a page of it") {
 
     const Outcome report = call({"report", "run/deep/results.json", "run/deep/", "-o", "r.html"});
     CHECK(report.status == 0);
-    CHECK(report.err == "");
+    CHECK(report.err == "skinbench: r.html\n");
     const auto made = readWholeFile(pathOf("r.html"));
     REQUIRE(made);
     for (const char* name : {"data-name=\"run/deep/results.json\"", "data-name=\"run/deep/\""})
@@ -103,7 +103,7 @@ TEST_CASE("bench writes what it prints, and report makes a page of it") {
             INFO(outcome.err);
             CHECK((outcome.status == 0 || outcome.status == 2));
             CHECK(outcome.out == "");
-            CHECK(linesOf(outcome.err).size() == (outcome.status ? 1 : 0));
+            CHECK(linesOf(outcome.err).size() == 1);
             refused += outcome.status == 2;
         }
     CHECK(refused > 20);
@@ -158,26 +158,60 @@ TEST_CASE("the same seed and scene give the same cases; lists are crossed") {
     CHECK(std::is_permutation(ids.begin(), ids.end(), wanted.begin(), wanted.end()));
 }
 
+namespace {
+
+// Runs until a checkpoint holds a time.
+Running startTiming(const std::string& folder) {
+    fs::remove_all(pathOf(folder));
+    const Running running = start({"bench", "builtin:robot:2000", "--routes", "cpu", "--influences", "4,8", "--copies",
+                                   "4", "--frames", "100000", "--rounds", "1000", "--out", folder, "--json"});
+    bool timed = false;
+    for (int tries = 0; tries < 2000 && !timed; ++tries) {
+        std::this_thread::sleep_for(std::chrono::milliseconds(20));
+        const auto text = readWholeFile(pathOf(folder + "/results.json"));
+        timed = text && text->find("samples") != std::string::npos;
+    }
+    CHECK(timed);
+    return running;
+}
+
+}  // namespace
+
+TEST_CASE("a crash is one line that names what was done and where its results are, and status 1") {
+    const Running running = startTiming("crash");
+    kill(running.pid, SIGSEGV);
+    const Outcome crashed = finish(running);
+    INFO(crashed.err);
+    CHECK(crashed.status == 1);
+    CHECK(json::parse(readWholeFile(pathOf("crash/results.json")).value_or(""), nullptr, false).is_object());
+#ifndef __SANITIZE_ADDRESS__  // which has a handler of its own
+    CHECK(linesOf(crashed.err).size() == 1);
+    CHECK(crashed.err.starts_with("skinbench: crashed (SIGSEGV) in "));
+    CHECK_THAT(crashed.err, ContainsSubstring(" at cpu/cpu/uc") && ContainsSubstring("is in crash/results.json\n"));
+#endif
+}
+
+TEST_CASE("rounds that the frames are too few for are not left out in silence") {
+    const Words few = {"bench", "builtin:robot:2000", "--routes", "cpu",   "--copies", "1", "--frames",
+                       "3",     "--rounds",           "8",        "--out", ""};
+    CHECK(call(few).err == "skinbench: warning: --rounds 8 share --frames 3, at least one each: 3 rounds\n");
+    const json many = json::parse(call({"bench", "builtin:robot:2000", "--routes", "cpu", "--copies", "1", "--rounds",
+                                        "40", "--out", "", "--json"})
+                                      .out,
+                                  nullptr, false);
+    CHECK(many["settings"]["rounds"] == 40);
+    CHECK(many["settings"]["frames"] == 40);
+}
+
 TEST_CASE("an interrupted bench keeps what was measured") {
     for (const int signal : {SIGINT, SIGTERM, SIGHUP}) {
-        fs::remove_all(pathOf("cut"));
-        const Running running =
-            start({"bench", "builtin:robot:2000", "--routes", "cpu", "--influences", "4,8", "--copies", "4", "--frames",
-                   "100000", "--rounds", "1000", "--out", "cut", "--json"});
-        // The first case is timed at once; wait until a checkpoint holds a time.
-        bool timed = false;
-        for (int tries = 0; tries < 2000 && !timed; ++tries) {
-            std::this_thread::sleep_for(std::chrono::milliseconds(20));
-            const auto text = readWholeFile(pathOf("cut/results.json"));
-            timed = text && text->find("samples") != std::string::npos;
-        }
+        const Running running = startTiming("cut");
         // Twice, as coreutils' timeout does.
         kill(running.pid, signal);
         std::this_thread::sleep_for(std::chrono::milliseconds(5));
         kill(running.pid, signal);
         const Outcome outcome = finish(running);
         INFO(outcome.err);
-        CHECK(timed);
         CHECK(outcome.status == 0);
         CHECK_THAT(outcome.err, ContainsSubstring("skinbench: interrupted"));
         CHECK(readWholeFile(pathOf("cut/results.json")) == outcome.out);
@@ -254,7 +288,7 @@ TEST_CASE("what was measured is printed though no file can be written") {
     const std::vector<std::string> lines = linesOf(outcome.err);
     CHECK(std::ranges::count_if(lines, [](const std::string& line) { return line.contains("tries again"); }) == 1);
     // The samples, which the table lacks, are in another place.
-    const std::string mark = "its content is in ";
+    const std::string mark = "the results are in ";
     const size_t at = outcome.err.find(mark);
     REQUIRE(at != std::string::npos);
     const std::string other =
@@ -315,6 +349,7 @@ TEST_CASE("render writes a PNG file of the asked size") {
     INFO(drawn.err);
     CHECK(drawn.status == 0);
     CHECK(drawn.out == "");
+    CHECK_THAT(drawn.err, ContainsSubstring("skinbench: shots/robot.png\n"));
     const auto bytes = readWholeFile(pathOf("shots/robot.png"));
     REQUIRE(bytes);
     CHECK(bytes->substr(1, 3) == "PNG");
