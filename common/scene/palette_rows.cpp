@@ -156,7 +156,7 @@ Moved blendDual(const Parts& parts, const Signs& signs, bool stretches, const gl
     const glm::dvec3 turned = rotated(stretched(glm::dvec4(normal, 0)));
     const double turnedLength = glm::length(turned);
     return {rotated(stretched(glm::dvec4(position, 1))) + moved,
-            turnedLength > 0 ? turned / turnedLength : glm::dvec3(0, 0, 1)};
+            turnedLength > 1e-18 ? turned / turnedLength : glm::dvec3(0)};
 }
 
 SkinnedReference skinDual(const Mesh& mesh, std::span<const glm::vec4> rows, const PaletteForm& form) {

@@ -14,6 +14,7 @@ template <class T>
 struct Blended {
     glm::vec<3, T> position;
     glm::vec<3, T> normal;
+    T length;  // of the normal before it had unit length
 };
 
 template <class T>
@@ -33,7 +34,25 @@ Blended<T> blend(const Mesh& mesh, size_t vertex, const Palette& palette) {
     const Vec3 normal(glm::dot(Vec3(rows[0]), n), glm::dot(Vec3(rows[1]), n), glm::dot(Vec3(rows[2]), n));
     const T length = glm::length(normal);
     return {{glm::dot(rows[0], p), glm::dot(rows[1], p), glm::dot(rows[2], p)},
-            length > 0 ? normal / length : Vec3(0, 0, 1)};
+            length > 0 ? normal / length : Vec3(0, 0, 1),
+            length};
+}
+
+// Whether a normal of this length has a direction in single precision: little of what was summed cancels, and its
+// square is neither infinite nor denormal.
+bool hasDirection(const Mesh& mesh, size_t vertex, const Palette& palette, double length) {
+    constexpr double kLeastOfTerms = 1e-3, kLeast = 1e-18, kMost = 1e18;
+    const glm::dvec3 n = glm::abs(glm::dvec3(mesh.normals[vertex]));
+    const Influences& influences = mesh.influences[vertex];
+    double terms = 0;
+    for (int k = 0; k < kMaxInfluences; ++k) {
+        if (influences.weights[k] == 0 || influences.joints[k] == kNoJoint) continue;
+        const PaletteEntry& joint = palette[influences.joints[k]];
+        glm::dvec3 sum;
+        for (int row = 0; row < 3; ++row) sum[row] = glm::dot(glm::abs(glm::dvec3(joint.rows[row])), n);
+        terms += influences.weights[k] * glm::length(sum);
+    }
+    return length > kLeastOfTerms * terms && length > kLeast && length < kMost;
 }
 
 // Out of line: where it was inlined into the threads, it took 1.1 to 1.25 of the time on 16 cores.
@@ -60,7 +79,7 @@ SkinnedReference skinReference(const Mesh& mesh, const Palette& palette) {
     for (size_t v = 0; v < mesh.positions.size(); ++v) {
         const Blended<double> skinned = blend<double>(mesh, v, palette);
         reference.positions[v] = skinned.position;
-        reference.normals[v] = skinned.normal;
+        reference.normals[v] = hasDirection(mesh, v, palette, skinned.length) ? skinned.normal : glm::dvec3(0);
     }
     return reference;
 }
@@ -91,10 +110,11 @@ SkinError compareSkinned(const SkinnedReference& reference, std::span<const Skin
         }
         const glm::dvec3 normal(measured[v].normal);
         const double distance = glm::length(glm::dvec3(measured[v].position) - reference.positions[v]);
+        worst.position = std::max(worst.position, std::isfinite(distance) ? distance : kInfinity);
+        if (reference.normals[v] == glm::dvec3(0)) continue;
         const double angle =
             std::atan2(glm::length(glm::cross(normal, reference.normals[v])), glm::dot(normal, reference.normals[v]));
         const bool zero = glm::length(normal) == 0;
-        worst.position = std::max(worst.position, std::isfinite(distance) ? distance : kInfinity);
         worst.normal = std::max(worst.normal, std::isfinite(angle) && !zero ? angle : kInfinity);
     }
     if (worst.position > 0) worst.position = scale > 0 && std::isfinite(scale) ? worst.position / scale : kInfinity;

@@ -15,6 +15,7 @@
 
 namespace skinbench {
 
+// A normal is 0 where single precision knows no direction, as under a joint of scale 0: none is compared then.
 struct SkinnedReference {
     std::vector<glm::dvec3> positions;
     std::vector<glm::dvec3> normals;

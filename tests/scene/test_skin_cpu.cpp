@@ -95,6 +95,29 @@ TEST_CASE("skinOnCpu accepts fewer vertices than threads, and nothing") {
     skinOnCpu({}, 4);
 }
 
+TEST_CASE("a normal without a direction is not compared, its position is") {
+    Palette palette(3);
+    palette[0].rows[0] = glm::vec4(0);  // flat in x
+    palette[2].rows[0].x = palette[2].rows[1].y = -1;
+    Mesh mesh;
+    mesh.positions.assign(3, {1, 2, 3});
+    mesh.normals = {{1, 0, 0}, {0, 1, 0}, {1, 0, 0}};
+    mesh.uvs.assign(3, {0, 0});
+    mesh.influences.assign(3, {{0, kNoJoint}, {1, 0}});
+    mesh.influences[2] = {{1, 2, kNoJoint}, {0.5f, 0.5f, 0}};  // half a turn against none
+    const SkinnedReference reference = skinReference(mesh, palette);
+    CHECK(reference.normals == std::vector<glm::dvec3>{{0, 0, 0}, {0, 1, 0}, {0, 0, 0}});
+    constexpr float kNaN = std::numeric_limits<float>::quiet_NaN();
+    std::vector<SkinnedVertex> measured(3);
+    for (size_t v = 0; v < 3; ++v) measured[v].position = reference.positions[v];
+    measured[0].normal = measured[2].normal = {kNaN, kNaN, kNaN};
+    measured[1].normal = {0, 1, 0};
+    CHECK(compareSkinned(reference, measured, 1).normal == 0);
+    CHECK(compareSkinned(reference, measured, 1).position == 0);
+    measured[0].position.y += 1;
+    CHECK(compareSkinned(reference, measured, 1).position == 1);
+}
+
 TEST_CASE("compareSkinned measures position over diagonal and normals as angles") {
     SkinnedReference reference;
     reference.positions = {{0, 0, 0}, {1, 0, 0}};
