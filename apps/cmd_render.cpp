@@ -91,9 +91,10 @@ Result<Image> render(RenderOptions options) {
     for (const Case& c : *cases) {
         const OpenBackend& open = devices->byApi[c.route->api];
         if (!open.backend) return deviceError(open.missing);
-        auto image = renderImage(*workload, c, *open.backend);
-        SKINBENCH_TRY(image);
-        images.push_back(std::move(*image));
+        auto picture = renderPicture(*workload, c, *open.backend);
+        SKINBENCH_TRY(picture);
+        if (!picture->fault.empty()) warn(std::format("{} is drawn, and is not right: {}", caseId(c), picture->fault));
+        images.push_back(std::move(picture->image));
         if (cases->size() > 1) say(std::format("picture {}: {}", images.size(), caseId(c)));
     }
     return sideBySide(images);

@@ -407,7 +407,7 @@ Result<std::vector<CaseResult>> runBench(Workload& workload, const std::vector<C
     return std::move(runner.results);
 }
 
-Result<Image> renderImage(Workload& workload, const Case& c, Backend& backend) {
+Result<Picture> renderPicture(Workload& workload, const Case& c, Backend& backend) {
     if (auto reason = unsupported(c, backend.caps())) return deviceError(*reason);
     const Backends backends{{c.route->api, {&backend, {}}}};
     const BenchSettings settings;
@@ -418,10 +418,18 @@ Result<Image> renderImage(Workload& workload, const Case& c, Backend& backend) {
     result.id = caseId(c);
     auto ready = prepareCase(runner, result, true);
     SKINBENCH_TRY(ready);
-    auto verified = verifyDrawn(runner, result, *ready);
-    Result<Image> image = verified ? backend.readImage(*ready->plan) : std::unexpected(verified.error());
+    const auto verified = verifyDrawn(runner, result, *ready);
+    Result<Image> image = backend.readImage(*ready->plan);
     releaseCase(*ready);
-    return image;
+    if (!image) return std::unexpected(verified ? image.error() : verified.error());
+    return Picture{std::move(*image), verified ? "" : verified.error().text};
+}
+
+Result<Image> renderImage(Workload& workload, const Case& c, Backend& backend) {
+    auto picture = renderPicture(workload, c, backend);
+    SKINBENCH_TRY(picture);
+    if (!picture->fault.empty()) return deviceError(picture->fault);
+    return std::move(picture->image);
 }
 
 }  // namespace skinbench

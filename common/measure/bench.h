@@ -119,7 +119,14 @@ struct BenchEvents {
 Result<std::vector<CaseResult>> runBench(Workload& workload, const std::vector<Case>& cases, const Backends& backends,
                                          const BenchSettings& settings, const BenchEvents& events);
 
-// Draws one frame of one case, checked like a benchmarked one, and returns its image.
+// One frame of one case, and what a check like that of a benchmarked one found; empty: it is right.
+struct Picture {
+    Image image;
+    std::string fault;
+};
+Result<Picture> renderPicture(Workload& workload, const Case& c, Backend& backend);
+
+// Its image; an error where it is not right.
 Result<Image> renderImage(Workload& workload, const Case& c, Backend& backend);
 
 }  // namespace skinbench

@@ -167,9 +167,9 @@ Result<std::vector<DrawnFrame>> drawTimed(Prepared& ready, std::span<const Frame
     }
     if (!(all <= waited * kClockSkew + kClockStep))
         return deviceError(
-            std::format("the device's timestamps cannot be right: {} frames took {:g} ms by them, and the "
+            std::format("the device's timestamps cannot be right: {} frame{} took {:g} ms by them, and the "
                         "host waited {:g} ms",
-                        drawn->size(), all, waited));
+                        drawn->size(), drawn->size() == 1 ? "" : "s", all, waited));
     return drawn;
 }
 
