@@ -8,7 +8,7 @@
 layout(local_size_x = COMPUTE_GROUP) in;
 
 #if SHORT_TANGENT
-#include "octahedral.glsl"
+#include UNIT_VECTORS
 
 layout(std430, binding = SLOT_TANGENT) readonly restrict buffer TangentBlock { uint tangents[]; };
 layout(std430, binding = SLOT_SKINNED_TANGENT) writeonly restrict buffer KeptTangentBlock { uint skinnedTangents[]; };
@@ -114,7 +114,7 @@ void main() {
 #include "capture.glsl"
 
 #if SKINNED_PACKED || SHORT_TANGENT
-#include "octahedral.glsl"
+#include UNIT_VECTORS
 #endif
 
 #if SKINNED_PACKED
@@ -144,7 +144,7 @@ void main() {
     uint copyNumber = vertexCopy();
 #if SKINNED_PACKED
     vec3 position = uintBitsToFloat(attributePositionNormal.xyz);
-    vec3 normal = unpackOctahedral(attributePositionNormal.w);
+    vec3 normal = unpackNormal(attributePositionNormal.w);
 #if DEPTH_ONLY
     vec2 uv = vec2(0.0);
 #else

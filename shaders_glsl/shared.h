@@ -17,7 +17,7 @@
 #define SLOT_SKINNED 7        // SkinnedVertex, written by one pass and read by the next
 #define SLOT_CAPTURE 8        // SkinnedVertex, written by verifying plans only
 #define SLOT_TANGENT 9        // a unit tangent for each vertex (vec4, w: 1 or -1, the side of the bitangent), or a word
-                              // by packTangent (octahedral.glsl)
+                              // by packTangent (octahedral.glsl or byte_vectors.glsl)
 #define SLOT_SKINNED_TANGENT 11  // such words, written by one pass and read by the next
 
 #define SLOT_VISIBLE 12  // indices of the triangles that are left, copy after copy, which feed the draw

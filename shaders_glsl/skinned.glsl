@@ -2,12 +2,12 @@
 // has a short form and keeps more (common/plans/plan_parts.h, SkinnedLayout).
 #include "shared.h"
 #if SKINNED_PACKED
-#include "octahedral.glsl"
+#include UNIT_VECTORS
 #endif
 
 struct SkinnedVertex {
 #if SKINNED_PACKED
-    uvec4 positionNormal;  // position as 3 floats, the normal by packOctahedral
+    uvec4 positionNormal;  // position as 3 floats, the normal by packNormal
 #else
     vec4 positionU;
     vec4 normalV;
@@ -39,7 +39,7 @@ void storeSkinned(uint place, vec3 position, vec3 normal, vec2 uv) {
 #endif
 #endif
 #if SKINNED_PACKED
-    skinnedVertices[place].positionNormal = uvec4(floatBitsToUint(position), packOctahedral(normal));
+    skinnedVertices[place].positionNormal = uvec4(floatBitsToUint(position), packNormal(normal));
 #else
     skinnedVertices[place].positionU = vec4(position, uv.x);
     skinnedVertices[place].normalV = vec4(normal, uv.y);

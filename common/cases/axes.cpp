@@ -38,7 +38,7 @@ Axis codecAxis() {
             std::ranges::any_of(codecs(), [&](const Codec& row) { return row.slim && text == row.slim; });
         if (!codec || follows)
             return Result<void>(
-                inputError(std::format("no codec '{}'; there is {}, and pc16, pc24 to pc64", text, there)));
+                inputError(std::format("no codec '{}'; there is {}, and wicked, pc16, pc24 to pc64", text, there)));
         c.codec = codec;
         return Result<void>{};
     };
@@ -108,6 +108,7 @@ constexpr Flag kComputeFlags[] = {
     {"packed", &ComputeOptions::packed},
     {"half-rate", &ComputeOptions::halfRate},
     {"short-tangents", &ComputeOptions::shortTangents},
+    {"wicked", &ComputeOptions::wicked},
 };
 
 bool setFlag(ComputeOptions& options, std::string_view name) {

@@ -62,6 +62,7 @@ std::string pictureOf(const Case& c) {
     std::string key = c.variant->skins ? "skinned" : "bind pose";
     for (const Axis& axis : axes())
         if (axis.changesPicture && axis.applies(c)) key += std::format(" {}={}", axis.name, axis.get(c));
+    if (c.compute.wicked) key += " byte normals";
     return key;
 }
 

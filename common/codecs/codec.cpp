@@ -59,8 +59,8 @@ const std::vector<Codec>& codecs() {
     return rows;
 }
 
-// Not in codecs(): seven bit budgets of one codec would crowd every table, `ids` codes no mesh, and `uc_slim` follows
-// from where the joints are.
+// Not in codecs(): seven bit budgets of one codec would crowd every table, `wicked` is there to be compared with by the
+// variant compute, `ids` codes no mesh, and `uc_slim` follows from where the joints are.
 static const std::vector<Codec>& otherCodecs() {
     constexpr const char* what = "permutation coding fitted to the mesh's number of tuples";
     static const std::vector<Codec> rows = {
@@ -71,6 +71,11 @@ static const std::vector<Codec>& otherCodecs() {
         {.name = "pc48", .what = what, .shader = "codecs/pc.glsl", .encode = encodePcBits<48>},
         {.name = "pc56", .what = what, .shader = "codecs/pc.glsl", .encode = encodePcBits<56>},
         {.name = "pc64", .what = what, .shader = "codecs/pc.glsl", .encode = encodePcBits<64>},
+        {.name = "wicked",
+         .what = "Wicked Engine's streams, 36 bytes",
+         .shader = "codecs/wicked.glsl",
+         .mostInfluences = 4,
+         .encode = encodeWicked},
         {.name = "ids",
          .what = "no bytes: positions that follow from vertex numbers",
          .shader = "codecs/ids.glsl",

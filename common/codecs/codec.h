@@ -67,7 +67,7 @@ struct Codec {
 };
 
 // The codecs that `all` stands for. findCodec also knows pc16, pc24 … pc64: permutation codes of that many bits, fitted
-// to the mesh's number of tuples; ids, which stores nothing (limitCase); and those that a row's `slim` names.
+// to the mesh's number of tuples; wicked; ids, which stores nothing (limitCase); and those that a row's `slim` names.
 const std::vector<Codec>& codecs();
 const Codec* findCodec(const std::string& name);
 
@@ -106,6 +106,10 @@ Result<EncodedMesh> encodePdc8(const EncodeInput& in);
 Result<EncodedMesh> encodePdc16(const EncodeInput& in);
 Result<EncodedMesh> encodePdc32(const EncodeInput& in);
 Result<EncodedMesh> encodeDpdc16(const EncodeInput& in);
+
+// docs/codecs.md 8.6. As Wicked Engine lays out what its skinning reads, 4 influences, 36 bytes: positions as floats,
+// normals as bytes, joints and weights as encodeUc16 has them.
+Result<EncodedMesh> encodeWicked(const EncodeInput& in);
 
 // docs/codecs.md 8.4. Uncompressed as encodeUncompressed, but the first `slimRecords` records hold no joint ids: 48
 // bytes instead of 64 with 4 influences, 64 instead of 96 with 8. `fat`: no record is slim.

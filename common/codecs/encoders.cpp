@@ -2,9 +2,12 @@
 #include <algorithm>
 #include <bit>
 #include <cmath>
+#include <cstring>
 #include <format>
 #include <limits>
 #include <span>
+
+#include <glm/gtc/packing.hpp>
 
 #include "common/codecs/codec.h"
 #include "common/codecs/differences.h"
@@ -123,9 +126,50 @@ Result<EncodedMesh> encodePacked(Result<PackedVertices> packed, const Defines& m
     return encoded;
 }
 
-std::unexpected<Error> onlyFour(const char* codec) {
-    return inputError(cannotHold(*findCodec(codec), 8).value());
+// The streams of shaders_glsl/codecs/wicked.glsl in one buffer, as words.
+struct WickedStreams {
+    size_t count = 0;  // vertices
+    std::vector<uint32_t> words;
+
+    explicit WickedStreams(size_t count) : count(count), words((count * 9 + 3) / 4 * 4) {}
+    size_t bodyOf(size_t vertex) const { return 4 * vertex; }
+    size_t blendOf(size_t vertex) const { return 4 * (count + vertex); }
+    size_t uvOf(size_t vertex) const { return 8 * count + vertex; }
+};
+
+void writeWicked(const Mesh& mesh, size_t v, WickedStreams& streams) {
+    constexpr float kLargestHalf = 65504;
+    uint32_t* const body = &streams.words[streams.bodyOf(v)];
+    std::memcpy(body, &mesh.positions[v], sizeof(glm::vec3));
+    body[3] = glm::packUnorm4x8(glm::vec4(mesh.normals[v] * 0.5f + 0.5f, 0));
+    const Influences& source = mesh.influences[v];
+    const auto weights = weightsToUnorm16(std::span(source.weights).first(4));
+    uint32_t* const blend = &streams.words[streams.blendOf(v)];
+    for (size_t i = 0; i < 4; ++i) {
+        // Joint 0 with weight 0, so that reading the palette needs no test.
+        const uint32_t joint = source.joints[i] == kNoJoint ? 0 : source.joints[i];
+        blend[i / 2] |= joint << i % 2 * 16;
+        blend[2 + i / 2] |= uint32_t{weights[i]} << i % 2 * 16;
+    }
+    streams.words[streams.uvOf(v)] = glm::packHalf2x16(glm::clamp(mesh.uvs[v], -kLargestHalf, kLargestHalf));
 }
+
+Result<DecodedVertex> readWicked(const WickedStreams& streams, uint32_t v) {
+    const uint32_t* const body = &streams.words[streams.bodyOf(v)];
+    const uint32_t* const blend = &streams.words[streams.blendOf(v)];
+    DecodedVertex vertex;
+    std::memcpy(&vertex.position, body, sizeof(glm::vec3));
+    for (int i = 0; i < 3; ++i) vertex.normal[i] = static_cast<float>(body[3] >> 8 * i & 255) / 255 * 2 - 1;
+    vertex.uv = glm::unpackHalf2x16(streams.words[streams.uvOf(v)]);
+    for (size_t i = 0; i < 4; ++i) {
+        const uint32_t weight = blend[2 + i / 2] >> i % 2 * 16 & 0xFFFF;
+        vertex.influences.weights[i] = static_cast<float>(weight) / 65535;
+        vertex.influences.joints[i] = weight ? static_cast<uint16_t>(blend[i / 2] >> i % 2 * 16) : kNoJoint;
+    }
+    return vertex;
+}
+
+std::unexpected<Error> onlyFour(const char* codec) { return inputError(cannotHold(*findCodec(codec), 8).value()); }
 
 Result<EncodedMesh> encodeSimplexBits(const char* name, const Mesh& mesh, int influences, int bits) {
     if (influences != 4) return onlyFour(name);
@@ -202,6 +246,24 @@ Result<EncodedMesh> encodeDifferenceCodec(const char* name, const EncodeInput& i
 
 Result<EncodedMesh> encodeUc16(const EncodeInput& in) {
     return encodePacked(packUc16(in.mesh, in.influences), {}, unorm16Bound(in.influences), readUc16);
+}
+
+Result<EncodedMesh> encodeWicked(const EncodeInput& in) {
+    if (in.influences != 4) return onlyFour("wicked");
+    SKINBENCH_TRY(checkPackable(in.mesh, 4));
+    WickedStreams streams(in.mesh.positions.size());
+    parallelRanges(streams.count, [&](size_t begin, size_t end) {
+        for (size_t v = begin; v < end; ++v) writeWicked(in.mesh, v, streams);
+    });
+    EncodedMesh encoded;
+    encoded.vertexCount = static_cast<uint32_t>(streams.count);
+    encoded.vertices = toBytes(streams.words);
+    encoded.defines = {{"BUFFER_WORDS", std::to_string(streams.words.size())}};
+    encoded.bounds = {glm::dvec3(0), unorm16Bound(4)};
+    encoded.decode = [kept = std::make_shared<const WickedStreams>(std::move(streams))] {
+        return readVertices(static_cast<uint32_t>(kept->count), [&](uint32_t v) { return readWicked(*kept, v); });
+    };
+    return encoded;
 }
 
 Result<EncodedMesh> encodeOss16(const EncodeInput& in) { return encodeSimplexBits("oss", in.mesh, in.influences, 16); }

@@ -196,14 +196,20 @@ static bool isFar(const FrameData& frame, uint32_t copies, uint32_t copy) {
 }
 
 // The tangent that the case keeps of a vertex, counted over all copies.
-static glm::vec4 keptTangent(const SkinnedLayout& layout, const KeptBytes& bytes, size_t vertex) {
+static glm::vec4 keptTangent(const Case& c, const SkinnedLayout& layout, const KeptBytes& bytes, size_t vertex) {
     glm::vec4 tangent(0);
     uint32_t word = 0;
     if (layout.tangent)
         std::memcpy(&tangent, &bytes.records[vertex * layout.stride + layout.tangent], sizeof(tangent));
     else
         std::memcpy(&word, &bytes.tangents[vertex * sizeof(word)], sizeof(word));
-    return layout.tangent ? tangent : unpackTangent(word);
+    if (layout.tangent) return tangent;
+    return c.compute.wicked ? unpackTangentBytes(word) : unpackTangent(word);
+}
+
+// The tangent that the case skins: bytes turn it by more than the rest of the verification allows.
+static glm::vec4 givenTangent(const Case& c, const glm::vec4& tangent) {
+    return c.compute.wicked ? unpackTangentBytes(packTangentBytes(tangent)) : tangent;
 }
 
 KeptError keptError(const Case& c, const PlanInput& input, const FrameData& before, const FrameData& frame,
@@ -214,11 +220,11 @@ KeptError keptError(const Case& c, const PlanInput& input, const FrameData& befo
     const Mesh mesh = decodedMesh(input);
     Mesh tangential = mesh;  // its normals are the tangents: both are turned alike
     std::vector<float> sides;
-    if (c.compute.tangents || c.compute.shortTangents) {
+    if (skinsTangents(c.compute)) {
         const std::vector<glm::vec4> tangents = vertexTangents(input.scene->mesh);
         const std::vector<uint32_t> sources = sourcesOf(input);
         for (size_t v = 0; v < vertices; ++v) {
-            tangential.normals[v] = glm::vec3(tangents[sources[v]]);
+            tangential.normals[v] = glm::vec3(givenTangent(c, tangents[sources[v]]));
             sides.push_back(tangents[sources[v]].w);
         }
     }
@@ -231,7 +237,7 @@ KeptError keptError(const Case& c, const PlanInput& input, const FrameData& befo
                 std::memcpy(&kept[v].position, &bytes.records[vertex * layout.stride + layout.previous],
                             sizeof(glm::vec3));
             if (sides.empty()) continue;
-            const glm::vec4 tangent = keptTangent(layout, bytes, vertex);
+            const glm::vec4 tangent = keptTangent(c, layout, bytes, vertex);
             kept[v].normal = glm::vec3(tangent);
             if (tangent.w != sides[v]) worst.tangent = std::numeric_limits<double>::infinity();
         }

@@ -64,7 +64,7 @@ struct KeptError {
     double tangent = 0;   // radians; infinite where a tangent's side is wrong
 };
 
-// The content of SLOT_SKINNED and, with ComputeOptions::shortTangents, of SLOT_SKINNED_TANGENT once `before` and then
+// The content of SLOT_SKINNED and, where packsTangents(), of SLOT_SKINNED_TANGENT once `before` and then
 // `frame` were drawn, with ComputeOptions::halfRate each twice, so that every copy showed both.
 struct KeptBytes {
     std::vector<std::byte> records, tangents;

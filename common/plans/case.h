@@ -102,6 +102,8 @@ struct ComputeOptions {
     bool packed = false;         // position and a 32-bit normal; the draw reads the uv from the encoded vertex
     bool halfRate = false;       // copies in the far half of the grid are skinned every second frame
     bool shortTangents = false;  // unit tangents too, 4 bytes each in and out: octahedral, the lowest bit is the side
+    bool wicked = false;  // as Wicked Engine keeps them: position and a normal of bytes in 16 bytes, and a tangent of
+                          // bytes, 4 in and out
     bool operator==(const ComputeOptions&) const = default;
 };
 
@@ -182,6 +184,11 @@ bool storesSlim(const Case& c);
 
 // The codec that encodes and decodes the case's vertices: its own, or that one's `slim`.
 const Codec& storedCodec(const Case& c);
+
+// Whether `compute` skins tangents, whether each is one word, and whether a skinned vertex is 16 bytes.
+bool skinsTangents(const ComputeOptions& options);
+bool packsTangents(const ComputeOptions& options);
+bool packsVertices(const ComputeOptions& options);
 
 // Whether the case draws joint-palette partitions (`palette`).
 bool usesPartition(const Case& c);

@@ -31,10 +31,11 @@ Defines caseDefines(const Case& c, const PlanInput& input) {
         {"STAGED_JOINTS", "0"},
         {"EARLY_EXIT", c.compute.earlyExit ? "1" : "0"},
         {"HALF_RATE", c.compute.halfRate ? "1" : "0"},
-        {"SKINNED_PACKED", c.compute.packed ? "1" : "0"},
+        {"SKINNED_PACKED", packsVertices(c.compute) ? "1" : "0"},
         {"SKINNED_PREVIOUS", c.compute.previous ? "1" : "0"},
-        {"SKINNED_TANGENT", c.compute.tangents || c.compute.shortTangents ? "1" : "0"},
-        {"SHORT_TANGENT", c.compute.shortTangents ? "1" : "0"},
+        {"SKINNED_TANGENT", skinsTangents(c.compute) ? "1" : "0"},
+        {"SHORT_TANGENT", packsTangents(c.compute) ? "1" : "0"},
+        {"UNIT_VECTORS", c.compute.wicked ? "\"byte_vectors.glsl\"" : "\"octahedral.glsl\""},
         {"LISTS_TRIANGLES", "0"},
         {"SAME_DEPTH", prepass ? "1" : "0"},
         {"PREPASS", "0"},
@@ -124,7 +125,7 @@ void addEncoded(FramePlan& plan, const PlanInput& input) {
 
 SkinnedLayout skinnedLayout(const Case& c) {
     SkinnedLayout layout;
-    layout.stride = c.compute.packed ? 16 : sizeof(SkinnedVertex);
+    layout.stride = packsVertices(c.compute) ? 16 : sizeof(SkinnedVertex);
     if (c.compute.previous) layout.previous = std::exchange(layout.stride, layout.stride + 16);
     if (c.compute.tangents) layout.tangent = std::exchange(layout.stride, layout.stride + 16);
     return layout;
@@ -209,7 +210,7 @@ Result<void> addSkinnedDraw(FramePlan& plan, const Case& c, const PlanInput& inp
     }
     SKINBENCH_TRY(program);
     const SkinnedLayout layout = skinnedLayout(c);
-    if (c.compute.packed)
+    if (packsVertices(c.compute))
         program->attributes = {{0, AttributeFormat::uint4, 0}};
     else
         program->attributes = {{0, AttributeFormat::float4, 0}, {1, AttributeFormat::float4, 16}};

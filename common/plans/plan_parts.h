@@ -42,7 +42,7 @@ void addStream(FramePlan& plan, uint32_t slot, uint32_t use, const Bytes& bytes,
 // The encoded vertices and what belongs to them, for stages that read storage blocks.
 void addEncoded(FramePlan& plan, const PlanInput& input);
 
-// One vertex of SLOT_SKINNED, in bytes: a SkinnedVertex, or 16 bytes where ComputeOptions::packed; then a vec4 each for
+// One vertex of SLOT_SKINNED, in bytes: a SkinnedVertex, or 16 bytes where packsVertices(); then a vec4 each for
 // what the case keeps beside. `previous` and `tangent` are offsets, 0 where there is none.
 struct SkinnedLayout {
     uint32_t stride = 0;

@@ -15,9 +15,9 @@ Bytes tangentBytes(const Case& c, const PlanInput& input) {
     std::vector<uint32_t> words;
     for (uint32_t source : sourcesOf(input)) {
         stored.push_back(tangents[source]);
-        words.push_back(packTangent(tangents[source]));
+        words.push_back(c.compute.wicked ? packTangentBytes(tangents[source]) : packTangent(tangents[source]));
     }
-    return c.compute.shortTangents ? toBytes(words) : toBytes(stored);
+    return packsTangents(c.compute) ? toBytes(words) : toBytes(stored);
 }
 
 Result<void> stagePalette(Defines& defines, const PlanInput& input, const DeviceCaps& caps) {
@@ -59,9 +59,8 @@ Result<void> addSkinPass(FramePlan& plan, const Case& c, const PlanInput& input,
 Result<FramePlan> planCompute(const Case& c, const PlanInput& input, const DeviceCaps& caps) {
     FramePlan plan = startPlan(c, input);
     addEncoded(plan, input);
-    if (c.compute.tangents || c.compute.shortTangents)
-        addStream(plan, SLOT_TANGENT, useStorage, tangentBytes(c, input), input.copies);
-    if (c.compute.shortTangents)
+    if (skinsTangents(c.compute)) addStream(plan, SLOT_TANGENT, useStorage, tangentBytes(c, input), input.copies);
+    if (packsTangents(c.compute))
         plan.streams.push_back({.slot = SLOT_SKINNED_TANGENT,
                                 .gpuBytes = uint64_t{input.copies} * input.encoded->vertexCount * sizeof(uint32_t)});
     addSkinnedStream(plan, input, useStorage | useAttributes, skinnedLayout(c).stride);

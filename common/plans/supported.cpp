@@ -88,7 +88,7 @@ std::optional<std::string> unsupported(const Case& c, const DeviceCaps& caps) {
         return std::string("no attribute format carries codec ") + c.codec->name;
     if ((c.shape.uniformPalette || usesPartition(c)) && c.submission == Submission::batched)
         return "a uniform block holds one copy's palette, so copies cannot be drawn at once";
-    if (c.loadsOnly && (c.compute.previous || c.compute.tangents || c.compute.shortTangents))
+    if (c.loadsOnly && (c.compute.previous || skinsTangents(c.compute)))
         return "loads-only skins neither tangents nor positions that could be kept";
     if (c.variant->listsTriangles && (c.triangleTests & TEST_BACK) && c.keepBackFaces)
         return "the test for back faces drops what kept back faces draw";
@@ -98,7 +98,9 @@ std::optional<std::string> unsupported(const Case& c, const DeviceCaps& caps) {
         return "influences are counted in the headers of meshlets";
     if (c.clusterCull != ClusterCull::off)
         if (auto reason = unsupportedClusters(c, caps)) return reason;
-    if (c.compute.tangents && c.compute.shortTangents) return "tangents are kept either long or short";
+    if (c.compute.tangents + c.compute.shortTangents + c.compute.wicked > 1)
+        return "tangents are kept in one way: long, short, or as wicked";
+    if (c.compute.packed && c.compute.wicked) return "vertices are kept in one way: packed, or as wicked";
     if (c.compute.staged && c.submission == Submission::batched)
         return "a work group of a batched dispatch spans copies, so it cannot stage the palette of one";
     if (c.route->dialect != MeshDialect::none) return unsupportedMeshlets(c, caps);

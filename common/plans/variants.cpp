@@ -106,6 +106,12 @@ bool onMeshRoute(const Case& c) { return c.route->dialect != MeshDialect::none; 
 
 bool sharesJointLists(const Case& c) { return c.variant->storedAs == StoredAs::commonInfluences; }
 
+bool skinsTangents(const ComputeOptions& options) { return options.tangents || packsTangents(options); }
+
+bool packsTangents(const ComputeOptions& options) { return options.shortTangents || options.wicked; }
+
+bool packsVertices(const ComputeOptions& options) { return options.packed || options.wicked; }
+
 bool usesPartition(const Case& c) { return c.variant->storedAs == StoredAs::palettePartition; }
 
 bool storesSlim(const Case& c) { return c.builder && (sharesJointLists(c) || c.shape.joints != JointSource::vertex); }

@@ -79,4 +79,13 @@ glm::vec4 unpackTangent(uint32_t word) {
                      word & 1 ? -1.0f : 1.0f);
 }
 
+uint32_t packTangentBytes(const glm::vec4& tangent) { return glm::packUnorm4x8(tangent * 0.5f + 0.5f); }
+
+glm::vec4 unpackTangentBytes(uint32_t word) {
+    const glm::vec4 read = glm::unpackUnorm4x8(word) * 2.0f - 1.0f;
+    return glm::vec4(glm::normalize(glm::vec3(read)), read.w < 0 ? -1.0f : 1.0f);
+}
+
+double mostTurnOfBytes() { return std::asin(std::sqrt(3.0) / 255); }
+
 }  // namespace skinbench

@@ -23,4 +23,14 @@ glm::dvec3 anyPerpendicular(const glm::dvec3& normal);
 uint32_t packTangent(const glm::vec4& tangent);
 glm::vec4 unpackTangent(uint32_t word);
 
+// The same as shaders_glsl/byte_vectors.glsl has it, each component q / 255 * 2 - 1:
+//
+// [31:24] w  [23:16] z  [15:8] y  [7:0] x
+uint32_t packTangentBytes(const glm::vec4& tangent);
+glm::vec4 unpackTangentBytes(uint32_t word);
+
+// Radians that rounding a unit vector to such bytes turns it by at the most: three components, each off by half a step,
+// 1 / 255.
+double mostTurnOfBytes();
+
 }  // namespace skinbench

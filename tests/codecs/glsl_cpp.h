@@ -11,6 +11,7 @@
 
 #include <glm/glm.hpp>
 #include <glm/integer.hpp>
+#include <glm/packing.hpp>
 
 #include "shaders_glsl/shared.h"
 #include "tests/codecs/shader_decoders.h"
@@ -18,6 +19,7 @@
 namespace skinbench::glsl {
 
 using glm::abs, glm::bitfieldExtract, glm::max, glm::min, glm::normalize, glm::pow, glm::sqrt, glm::uintBitsToFloat;
+using glm::unpackHalf2x16;
 using glm::uvec2, glm::uvec3, glm::uvec4, glm::vec2, glm::vec3, glm::vec4;
 using uint = uint32_t;
 

@@ -175,6 +175,15 @@
 #define PC_BITS 32
 #include "tests/codecs/glsl_decoder.inl"
 
+#define DECODER wicked
+#define DECODER_FILE "codecs/wicked.glsl"
+#define CODEC "wicked"
+#define INFLUENCES 4
+#define VERTEX_BYTES 0
+#define VERTEX_ALIGNMENT 0
+#define PC_BITS 0
+#include "tests/codecs/glsl_decoder.inl"
+
 // clang-format on
 
 namespace skinbench::glsl {
@@ -182,6 +191,6 @@ inline const Decoder* const kDecoders[] = {
     &uc4::decoder,       &uc8::decoder,   &halves4::decoder, &halves8::decoder, &simplex16::decoder,
     &simplex22::decoder, &pc4::decoder,   &pc8::decoder,     &pc16::decoder,    &pc24::decoder,
     &pc40::decoder,      &pc48::decoder,  &pc56::decoder,    &pc64::decoder,    &pc32x8::decoder,
-    &pdc8::decoder,      &pdc16::decoder, &pdc32::decoder,   &dpdc16::decoder,
+    &pdc8::decoder,      &pdc16::decoder, &pdc32::decoder,   &dpdc16::decoder,   &wicked::decoder,
 };
 }  // namespace skinbench::glsl

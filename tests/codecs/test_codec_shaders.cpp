@@ -234,7 +234,7 @@ TEST_CASE("codecs that cannot hold a mesh say why") {
     const Mesh four = randomMesh(98, 300, 20);
     const Mesh eight = randomMesh(98, 300, 20, 8);
     const MeshletMesh meshlets = cutMeshlets(four);
-    for (const char* name : {"oss", "oss22", "pdc8", "pdc16", "pdc32", "dpdc16"}) {
+    for (const char* name : {"oss", "oss22", "pdc8", "pdc16", "pdc32", "dpdc16", "wicked"}) {
         const auto encoded = findCodec(name)->encode({eight, &meshlets, 8});
         REQUIRE_FALSE(encoded);
         CHECK(encoded.error().text.find(std::string("codec ") + name + " holds 4 influences") == 0);

@@ -100,6 +100,17 @@ TEST_CASE("every case is right on every route, and the images agree") {
     CHECK(requireVerified(workload, cases) > 200);
 }
 
+TEST_CASE("a joint of scale 0, which hides a part, is no fault") {
+    if (!anyDriver()) SKIP("no Vulkan and no OpenGL driver on this machine");
+    for (const glm::vec3& scale : {glm::vec3(0), glm::vec3(0, 1, 1)}) {
+        Workload workload = tinyWorkload(2);
+        workload.stored.skeleton.nodes[workload.stored.skeleton.joints.back().node].scale = scale;
+        std::vector<Case> cases = plainCases(4);
+        std::erase_if(cases, [](const Case& c) { return c.variant->storedAs != StoredAs::sceneVertices; });
+        CHECK(requireVerified(workload, cases) > 5);
+    }
+}
+
 TEST_CASE("the built-in characters are right on every route") {
     if (!anyDriver()) SKIP("no Vulkan and no OpenGL driver on this machine");
     size_t number = 0;
@@ -299,6 +310,22 @@ TEST_CASE("every option of compute is right on a grid with a far half") {
     CHECK(models == 2);
 }
 
+TEST_CASE("Wicked Engine's layout is right in compute, and its codec wherever vertices are decoded") {
+    if (!anyDriver()) SKIP("no Vulkan and no OpenGL driver on this machine");
+    Workload workload = tinyWorkload(3);
+    std::vector<Case> cases;
+    for (Api api : {Api::vulkan, Api::opengl})
+        for (const ComputeOptions& options :
+             {ComputeOptions{}, ComputeOptions{.wicked = true}, ComputeOptions{.earlyExit = true, .wicked = true},
+              ComputeOptions{.packed = true, .shortTangents = true}}) {
+            cases.push_back(computeCase(api, options));
+            cases.back().codec = findCodec("wicked");
+        }
+    cases.push_back(*parseCaseId("vk-ext/mesh/wicked/meshopt/redirect"));
+    cases.push_back(*parseCaseId("gl/vertex/wicked+pull"));
+    CHECK(requireVerified(workload, cases) > 3);
+}
+
 TEST_CASE("half-rate skips odd copies of the far half in even frames, and no others") {
     if (!anyDriver()) SKIP("no Vulkan and no OpenGL driver on this machine");
     Workload workload = tinyWorkload(kGridCopies);
@@ -418,6 +445,8 @@ TEST_CASE("a fault in any option of compute is found") {
         {{.shortTangents = true}, "compute.glsl", "turned(blend, tangent.xyz)", "tangent.xyz", "tangents"},
         {{.earlyExit = true}, "compute.glsl", "whole = 1.0 -", "whole = 0.5 -", "positions"},
         {{.packed = true}, "octahedral.glsl", "n.z < 0.0 ? fold", "n.z < -2.0 ? fold", "normals"},
+        {{.wicked = true}, "byte_vectors.glsl", "vec4(n * 0.5 + 0.5", "vec4(n * 0.5 + 0.48", "normals"},
+        {{.wicked = true}, "compute.glsl", "turned(blend, tangent.xyz)", "tangent.xyz", "tangents"},
         {{.halfRate = true}, "compute.glsl", "% 2u != 0u", "% 2u != 2u", "positions"},
     };
     BenchSettings settings;

@@ -282,6 +282,7 @@ TEST_CASE("options of compute: what a skinned vertex holds, and where the draw f
         {{.previous = true, .tangents = true}, 64, {{0, 0}, {1, 16}, {2, 32}, {3, 48}}},
         {{.packed = true}, 16, {{0, 0}}},
         {{.previous = true, .tangents = true, .packed = true}, 48, {{0, 0}, {2, 16}, {3, 32}}},
+        {{.wicked = true}, 16, {{0, 0}}},
     };
     Workload workload = tinyWorkload(3);
     const uint64_t vertices = (*sceneFor(workload, 4))->mesh.positions.size();

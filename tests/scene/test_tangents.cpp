@@ -77,6 +77,21 @@ TEST_CASE("tangents of whole characters are unit vectors across the normal") {
         if (auto scene = loadScene(file)) checkPerpendicular(scene->mesh);
 }
 
+TEST_CASE("a tangent in bytes is turned by no more than they allow, and keeps its side") {
+    std::mt19937 random(4);
+    const auto next = [&] { return static_cast<float>(random()) / 4294967296.0f * 2 - 1; };
+    double most = 0;
+    for (int i = 0; i < 20'000; ++i) {
+        const glm::vec4 tangent(glm::normalize(glm::vec3(next(), next(), next())), i % 2 ? 1 : -1);
+        const glm::vec4 read = unpackTangentBytes(packTangentBytes(tangent));
+        const glm::dvec3 a(tangent), b(read);
+        most = std::max(most, std::atan2(glm::length(glm::cross(a, b)), glm::dot(a, b)));
+        CHECK(read.w == tangent.w);
+    }
+    CHECK(most <= mostTurnOfBytes());
+    CHECK(most > 0.8 * mostTurnOfBytes());
+}
+
 TEST_CASE("a tangent in a word keeps its direction within 2e-4 and its side") {
     std::mt19937 random(3);
     const auto next = [&] { return static_cast<float>(random()) / 4294967296.0f * 2 - 1; };
