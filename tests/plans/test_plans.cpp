@@ -299,16 +299,17 @@ TEST_CASE("options of compute: what a skinned vertex holds, and where the draw f
                 CHECK(draw.attributes[i].location == row.attributes[i].first);
                 CHECK(draw.attributes[i].offset == row.attributes[i].second);
                 // A packed normal must not pass through a float, which may lose the bits of a NaN or a denormal.
-                const bool bits = row.options.packed && i == 0;
+                const bool bits = packsVertices(row.options) && i == 0;
                 CHECK(draw.attributes[i].format == (bits ? AttributeFormat::uint4 : AttributeFormat::float4));
             }
             CHECK(streamOf(plan, SLOT_SKINNED)->gpuBytes == 3 * vertices * row.stride);
             const Stream* tangents = streamOf(plan, SLOT_TANGENT);
-            REQUIRE((tangents != nullptr) == row.options.tangents);
-            if (tangents) CHECK(tangents->bytes->size() == vertices * 16);
+            REQUIRE((tangents != nullptr) == skinsTangents(row.options));
+            const uint64_t tangentBytes = !tangents ? 0 : packsTangents(row.options) ? 4 : 16;
+            if (tangents) CHECK(tangents->bytes->size() == vertices * tangentBytes);
             const MemoryBytes memory = memoryOfOneCopy(plan, 3);
-            CHECK(memory.skinned == vertices * row.stride);
-            CHECK(memory.vertex == vertices * (row.options.tangents ? 80 : 64));
+            CHECK(memory.skinned == vertices * (row.stride + (packsTangents(row.options) ? 4 : 0)));
+            CHECK(memory.vertex == vertices * (64 + tangentBytes));
             CHECK(memory.meshlet == 0);
         }
 }

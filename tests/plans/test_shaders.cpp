@@ -80,6 +80,7 @@ TEST_CASE("every file of the shader folder is used by some case, and every codec
     Workload workload = tinyWorkload(1);
     std::vector<Case> cases = everyCase();
     cases.push_back(*limitCase(cases.front()));
+    cases.push_back(*parseCaseId("vk/compute/wicked"));
     for (const Case& c : cases) {
         auto input = planInput(workload, c);
         REQUIRE(input);
