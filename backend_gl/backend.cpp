@@ -348,19 +348,17 @@ void GlBackend::recordFrame(const GlPlan& plan, size_t frame, bool timed) {
 void GlBackend::recordOverlapped(const GlPlan& plan, size_t frame, bool timed) {
     bindFrame(plan, frame);
     const GLuint* queries = timed ? &queries_[frame * 2] : nullptr;
-    for (const Pass& pass : plan.shape.passes)
-        if (pass.kind != PassKind::dispatch && pass.clear) {
-            beginPass(plan, pass, true);
-            break;
-        }
+    const std::vector<Pass>& passes = plan.shape.passes;
+    const Pass* const first = firstDrawing(plan.shape);
+    if (first && first->clear) beginPass(plan, *first, true);
     glMemoryBarrier(GL_ALL_BARRIER_BITS);
     if (queries) timestamp(queries[0]);
-    for (size_t i = 0; i < plan.shape.passes.size(); ++i) {
+    for (size_t i = 0; i < passes.size(); ++i) {
         if (i > 0)
             glMemoryBarrier(GL_VERTEX_ATTRIB_ARRAY_BARRIER_BIT | GL_SHADER_STORAGE_BARRIER_BIT |
                             GL_ELEMENT_ARRAY_BARRIER_BIT | GL_COMMAND_BARRIER_BIT);
-        beginPass(plan, plan.shape.passes[i], false);
-        issueDraws(plan, plan.shape.passes[i], frame);
+        beginPass(plan, passes[i], passes[i].clear && &passes[i] != first);
+        issueDraws(plan, passes[i], frame);
     }
     if (queries) timestamp(queries[1]);
     glMemoryBarrier(GL_ALL_BARRIER_BITS);

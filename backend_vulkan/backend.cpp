@@ -36,7 +36,8 @@ private:
     Result<double> copySkinned(Plan& plan, std::span<const std::byte> skinned);
     void bindFrame(VkCommandBuffer commands, const Plan& plan, size_t frame, uint64_t paletteOffset) const;
     void recordIndirect(VkCommandBuffer commands, const Plan& plan, PassKind kind, uint32_t command) const;
-    void recordDraws(VkCommandBuffer commands, const Plan& plan, size_t frame, const Pass& pass) const;
+    void recordDraws(VkCommandBuffer commands, const Plan& plan, size_t frame, const Pass& pass,
+                     VkAttachmentLoadOp load = VK_ATTACHMENT_LOAD_OP_LOAD) const;
     void timestamp(VkCommandBuffer commands, uint32_t query) const;
     template <class Measure>
     void recordPass(VkCommandBuffer commands, const Plan& plan, size_t frame, size_t number,
@@ -182,10 +183,11 @@ void VulkanBackend::recordIndirect(VkCommandBuffer commands, const Plan& plan, P
 }
 
 // The rendering scope of a drawing pass, and every draw with its constants.
-void VulkanBackend::recordDraws(VkCommandBuffer commands, const Plan& plan, size_t frame, const Pass& pass) const {
+void VulkanBackend::recordDraws(VkCommandBuffer commands, const Plan& plan, size_t frame, const Pass& pass,
+                                VkAttachmentLoadOp load) const {
     const VolkDeviceTable& vk = device_->vk;
     const bool draws = pass.kind != PassKind::dispatch;
-    if (draws) beginRendering(commands, *plan.target, VK_ATTACHMENT_LOAD_OP_LOAD);
+    if (draws) beginRendering(commands, *plan.target, load);
     for (const Draw& draw : pass.draws) {
         if (plan.shape.paletteRange) bindFrame(commands, plan, frame, draw.paletteOffset);
         vk.vkCmdPushConstants(commands, plan.layout, device_->stages, 0, sizeof draw.constants, draw.constants.data());
@@ -225,7 +227,8 @@ void VulkanBackend::recordPass(VkCommandBuffer commands, const Plan& plan, size_
     fullBarrier(*device_, commands);
 }
 
-// What a pass needs of the one before it: skinned vertices, lists and commands, and after a drawing pass its depth.
+// What a pass needs of the one before it: skinned vertices, lists and commands, and after a drawing pass its depth, or
+// that nothing reads its lists and targets any more.
 void narrowBarrier(const Device& device, VkCommandBuffer commands, bool afterDispatch) {
     VkMemoryBarrier2 barrier{VK_STRUCTURE_TYPE_MEMORY_BARRIER_2};
     barrier.srcStageMask = VK_PIPELINE_STAGE_2_COMPUTE_SHADER_BIT;
@@ -255,14 +258,17 @@ void narrowBarrier(const Device& device, VkCommandBuffer commands, bool afterDis
 }
 
 void VulkanBackend::recordOverlapped(VkCommandBuffer commands, const Plan& plan, size_t frame, uint32_t query) const {
-    if (std::ranges::any_of(plan.shape.passes, [](const Pass& p) { return p.kind != PassKind::dispatch && p.clear; }))
-        clearTarget(commands, plan);
+    const std::vector<Pass>& passes = plan.shape.passes;
+    const Pass* const first = firstDrawing(plan.shape);
+    if (first && first->clear) clearTarget(commands, plan);
     fullBarrier(*device_, commands);
     timestamp(commands, query);
-    for (size_t number = 0; number < plan.shape.passes.size(); ++number) {
-        if (number > 0) narrowBarrier(*device_, commands, plan.shape.passes[number - 1].kind == PassKind::dispatch);
+    for (size_t number = 0; number < passes.size(); ++number) {
+        const Pass& pass = passes[number];
+        if (number > 0) narrowBarrier(*device_, commands, passes[number - 1].kind == PassKind::dispatch);
         bindPass(commands, plan, number);
-        recordDraws(commands, plan, frame, plan.shape.passes[number]);
+        const bool clears = pass.clear && &pass != first;
+        recordDraws(commands, plan, frame, pass, clears ? VK_ATTACHMENT_LOAD_OP_CLEAR : VK_ATTACHMENT_LOAD_OP_LOAD);
     }
     timestamp(commands, query + 1);
     fullBarrier(*device_, commands);

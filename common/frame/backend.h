@@ -8,7 +8,7 @@
 //  * pass Draw::constants to every stage as the block of platform.glsl (Vulkan: push constants, 16 bytes at offset 0;
 //    OpenGL: the uniform uvec4 named `drawConstants`);
 //  * place a full execution and memory barrier before and after every pass, outside the pass's two timestamps, and
-//    clear the targets outside them too;
+//    clear the targets outside them too (RunMode::timed);
 //  * draw into an RGBA8 (UNORM) colour target and a D32F depth target of the plan's size, with clip space y down and
 //    depth 0..1, so that row 0 of readImage() is the top row; front faces are counter-clockwise as seen on screen;
 //  * refuse a plan, a batch, a slot or an image with the sentence of check_plan.h, before it does anything;
@@ -197,7 +197,7 @@ struct Draw {
 };
 
 struct Pass {
-    std::string label;  // "skin", "depth", "draw": the key of passes_ms
+    std::string label;  // "skin", "cull", "views", "depth", "draw": the key of passes_ms; those of one label are summed
     PassKind kind = PassKind::drawIndexed;
     uint32_t program = 0;  // into FramePlan::programs
     RasterMode raster = RasterMode::full;
@@ -242,8 +242,10 @@ struct FrameInput {
 
 // How run() draws its frames.
 // timed:   a full barrier around every pass and two timestamps at each.
-// overlap: between the passes of a frame only what the next one reads is waited for; two timestamps around the whole
-//          frame, with full barriers outside.
+// overlap: between the passes of a frame only what the next one reads or overwrites is waited for; two timestamps
+// around
+//          the whole frame, with full barriers outside. The first pass that draws clears before the first one, a later
+//          pass in its turn.
 // counted: pipeline statistics instead of timestamps; nothing is drawn where the device has none.
 enum class RunMode { timed, overlap, counted };
 

@@ -164,9 +164,13 @@ FramePlan planShape(const FramePlan& plan) {
     return shape;
 }
 
-bool drawsImage(const FramePlan& plan) {
-    return std::ranges::any_of(plan.passes, [](const Pass& pass) { return pass.kind != PassKind::dispatch; });
+const Pass* firstDrawing(const FramePlan& plan) {
+    const auto first =
+        std::ranges::find_if(plan.passes, [](const Pass& pass) { return pass.kind != PassKind::dispatch; });
+    return first == plan.passes.end() ? nullptr : &*first;
 }
+
+bool drawsImage(const FramePlan& plan) { return firstDrawing(plan) != nullptr; }
 
 const Stream* hostWrittenStream(const FramePlan& plan) {
     auto written = std::ranges::find(plan.streams, true, &Stream::hostWritten);

@@ -13,6 +13,8 @@ Result<void> checkPlan(const FramePlan& plan, const DeviceCaps& caps);
 // What a backend keeps of a plan: no texts and no bytes, Stream::gpuBytes is the size of every stream.
 FramePlan planShape(const FramePlan& plan);
 
+// The first pass that draws, and whether there is one; null: none.
+const Pass* firstDrawing(const FramePlan& plan);
 bool drawsImage(const FramePlan& plan);
 const Stream* hostWrittenStream(const FramePlan& plan);  // null: there is none
 

@@ -391,11 +391,37 @@ TEST_CASE("backends: a pass that keeps equal depth shades what a depth pass laid
     twice.passes[0].draws = {draw(3)};
     twice.passes[1].draws = {draw(3, 3, kGreen)};
     for (RunMode mode : drawingModes(subject)) {
-        if (mode == RunMode::overlap) continue;  // clears once
         const Image image = subject.image(twice, {stillFrame()}, mode);
         CHECK(upperHalf(image) == kBackground);
         CHECK(lowerHalf(image) == kGreen);
     }
+    // At the same place, which only a cleared depth lets pass.
+    twice.passes[1].draws = {draw(3, 0, kGreen)};
+    for (RunMode mode : drawingModes(subject)) CHECK(onlyUpperHalf(subject.image(twice, {stillFrame()}, mode), kGreen));
+}
+
+TEST_CASE("backends: a pass may overwrite the command that a draw before it has read") {
+    Subject subject(Needs::images);
+    FramePlan plan = trianglePlan(subject.api(), {0, 1, 2, 3, 2, 1});
+    plan.streams.push_back({.slot = SLOT_COMMAND, .use = useStorage | useIndirect, .gpuBytes = sizeof(DrawCommand)});
+    plan.programs.push_back({.label = "write", .stages = {glsl(subject.api(), Stage::compute, R"(
+layout(local_size_x = 1) in;
+layout(std430, binding = SLOT_COMMAND) buffer CommandBlock { uint words[]; };
+void main() {
+    words[0] = 3u;
+    words[1] = 1u;
+    words[2] = drawConstants.x;
+    words[3] = 1u;
+}
+)")}});
+    Pass write{.label = "cull", .kind = PassKind::dispatch, .program = 1, .draws = {{.count = 1}}}, other = write;
+    other.draws[0].constants = {3, 0, 0, 0};
+    plan.passes[0].draws = {{.constants = {0, kRed, 0, 0}, .command = 0}};
+    Pass image = plan.passes[0];
+    image.clear = false;
+    plan.passes = {write, plan.passes[0], other, image};
+    for (RunMode mode : drawingModes(subject))
+        CHECK(countOf(subject.image(plan, {stillFrame()}, mode), kRed) == size_t{kWidth} * kHeight);
 }
 
 // --- timings --------------------------------------------------------------------------------------------------------
