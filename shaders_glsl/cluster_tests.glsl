@@ -64,7 +64,7 @@ uint findVerdict(uint number, uint copyNumber) {
 #if CLUSTER_TESTS != 0
     uvec4 header = clusterHeader(number, copyNumber);
     vec3 offset = copyOffset(copyNumber);
-    ClipRows view = viewRows(frame.viewProjection, offset);
+    ClipRows view = viewRows(VIEW_PROJECTION, offset);
 #if (CLUSTER_TESTS & CLUSTER_TEST_FRUSTUM) != 0
     if (clusterBeyond(header, copyNumber, view, offset) != 0u) return VERDICT_BEYOND;
 #endif

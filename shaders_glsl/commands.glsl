@@ -10,10 +10,12 @@ struct DrawCommand {
 };
 layout(std430, binding = SLOT_COMMAND) restrict buffer CommandBlock { DrawCommand commands[]; };
 
-uint commandOf(uint copyNumber) {
+// Each view has commands of its own; 0 is the main one.
+uint commandOf(uint copyNumber, uint view) {
 #if BATCHED
-    return 0u;
+    uint place = 0u;
 #else
-    return copyNumber;
+    uint place = copyNumber;
 #endif
+    return view * uint(COMMANDS_OF_VIEW) + place;
 }

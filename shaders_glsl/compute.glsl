@@ -90,7 +90,8 @@ void main() {
     storeSkinned(place, skinned.position, skinned.normal, vertex.uv);
 #if LISTS_TRIANGLES
     captureVertex(skinned.position, skinned.normal, vertex.uv, copyNumber, place - copyNumber * uint(VERTEX_COUNT));
-    if (i == 0u) commands[commandOf(copyNumber)].count = 0u;  // the pass that counts comes next
+    if (i == 0u)  // the passes that count come next
+        for (uint view = 0u; view < uint(VIEWS); ++view) commands[commandOf(copyNumber, view)].count = 0u;
 #if CAPTURE
     if (place == 0u)
         for (uint word = 0u; word < uint(COUNTED_WORDS); ++word) verdicts[uint(FIRST_COUNTED) + word] = 0u;

@@ -96,7 +96,8 @@ void main() {
         if (word < lane / 32u) before += count;
         total += count;
     }
-    if (lane == 0u) firstPlace = total == 0u ? 0u : atomicAdd(commands[commandOf(copyNumber)].count, total * 3u);
+    if (lane == 0u && total > 0u)
+        firstPlace = atomicAdd(commands[commandOf(copyNumber, VIEW_NUMBER)].count, total * 3u);
     memoryBarrierShared();
     barrier();
     if (!kept) return;

@@ -1,6 +1,7 @@
 // What every stage knows about the frame and about the copy that it works on.
 //
 // drawConstants: x: copy, y: first work group of the draw (draws above the device's group count are split).
+// w: with OTHER_VIEW the number of the view, 1 to MOST_VIEWS - 1.
 // A batched draw covers all copies; there the copy follows from the vertex, group or invocation number.
 #include "shared.h"
 #include "platform.glsl"
@@ -14,6 +15,14 @@ layout(std140, binding = SLOT_FRAME) uniform FrameBlock { FrameConstants frame; 
 #define EXACT
 #endif
 
+#if OTHER_VIEW
+#define VIEW_NUMBER drawConstants.w
+#define VIEW_PROJECTION frame.otherViews[VIEW_NUMBER - 1u]
+#else
+#define VIEW_NUMBER 0u
+#define VIEW_PROJECTION frame.viewProjection
+#endif
+
 // Copies stand on a grid. The offset is added after skinning, so that skinned positions stay near the origin, where
 // floats are dense, and can be compared with the reference of a single character.
 vec3 copyOffset(uint copyNumber) {
@@ -25,6 +34,6 @@ vec3 copyOffset(uint copyNumber) {
 
 vec4 clipPosition(vec3 skinned, uint copyNumber) {
     EXACT vec3 placed = skinned + copyOffset(copyNumber);
-    EXACT vec4 clip = frame.viewProjection * vec4(placed, 1.0);
+    EXACT vec4 clip = VIEW_PROJECTION * vec4(placed, 1.0);
     return clip;
 }

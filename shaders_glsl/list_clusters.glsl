@@ -35,6 +35,6 @@ void main() {
         memoryBarrierShared();
         barrier();
     }
-    if (lane == 0u) commands[uint(FIRST_GROUP_COMMAND) + copyNumber].count = listed;
+    if (lane == 0u) commands[uint(FIRST_GROUP_COMMAND) + commandOf(copyNumber, VIEW_NUMBER)].count = listed;
 }
 #endif

@@ -21,7 +21,7 @@
 #define SLOT_SKINNED_TANGENT 11  // such words, written by one pass and read by the next
 
 #define SLOT_VISIBLE 12  // indices of the triangles that are left, copy after copy, which feed the draw
-#define SLOT_COMMAND 13  // DrawCommand, copy after copy, or one for all of a batched draw
+#define SLOT_COMMAND 13  // DrawCommand, copy after copy, or one for all of a batched draw; view after view
 
 // A block in cull_triangles.glsl alone.
 #define SLOT_INDEX 10  // 32-bit index buffer
@@ -90,14 +90,17 @@ using glm::mat4;
 using glm::vec4;
 #endif
 
+#define MOST_VIEWS 8  // of one frame
+
 // std140. Changes every frame.
 struct FrameConstants {
     mat4 viewProjection;  // y already points down, depth 0..1: both APIs store row 0 at the top
     vec4 grid;            // x: columns, y: distance between columns, z: distance between rows, w: number of the frame
+    mat4 otherViews[MOST_VIEWS - 1];  // like viewProjection, of the views that draw depth alone
 };
 
 #ifdef __cplusplus
-static_assert(sizeof(FrameConstants) == 80);
+static_assert(sizeof(FrameConstants) == 528);
 }  // namespace skinbench
 #endif
 

@@ -427,6 +427,13 @@ void addDraws(std::vector<Axis>& rows) {
                               {"no-fragments", RasterMode::noFragments, "no-fragments"},
                               {"discard", RasterMode::discard, "discard"}},
                              [](Case& c) -> RasterMode& { return c.raster; })))));
+    rows.push_back(otherWork(
+        same(wordAxis<uint32_t>({.name = "views",
+                                 .option = {.help = ": of a frame, the main one and others that draw depth alone"},
+                                 .applies = draws,
+                                 .noun = "number of views"},
+                                {{"1", 1}, {"2", 2, "2-views"}, {"4", 4, "4-views"}, {"8", MOST_VIEWS, "8-views"}},
+                                [](Case& c) -> uint32_t& { return c.views; }))));
     rows.push_back(wordAxis<View>({.name = "view", .applies = draws, .define = "VIEW"},
                                   {{"shaded", View::shaded},
                                    {"meshlets", View::meshlets, "view-meshlets"},

@@ -45,34 +45,52 @@ Grid layOut(const Framing& framing) {
     return grid;
 }
 
-glm::mat4 fromTheFront(const Framing& framing, const Grid& grid) {
+// To one side and to the other in turn, ever farther: 15, -15, 30, … degrees. The main view is number 0.
+float turnOf(uint32_t view) { return 15.0f * static_cast<float>((view + 1) / 2) * (view % 2 ? 1.0f : -1.0f); }
+
+// A turned view steps back until the grid's near end fits.
+glm::mat4 fromTheFront(const Framing& framing, const Grid& grid, uint32_t view) {
     const float aspect = static_cast<float>(framing.width) / static_cast<float>(framing.height);
     const float fieldOfView = glm::radians(20.0f);
-    const float whole = std::max(grid.rows * grid.cellHeight, grid.columns * grid.cellWidth / aspect) * 0.5f;
+    const float turn = glm::radians(turnOf(view)), aside = std::abs(std::sin(turn));
+    const float gridWidth = grid.columns * grid.cellWidth;
+    const float width = gridWidth * std::cos(turn) + grid.depth * aside;
+    const float whole = std::max(grid.rows * grid.cellHeight, width / aspect) * 0.5f;
     // The grid reaches the view's edges one way; how far it reaches the other way says how much a nearer view leaves
     // out.
-    const float least = std::min(grid.rows * grid.cellHeight, grid.columns * grid.cellWidth / aspect) * 0.5f / whole;
+    const float least = std::min(grid.rows * grid.cellHeight, width / aspect) * 0.5f / whole;
     const float half = least <= 0.5f ? 0.5f : std::sqrt(0.5f * least);
     const float height = static_cast<float>(framing.height);
     const float halfHeight = framing.camera == Camera::half ? whole * half
                              : framing.characterPixels > 0  ? grid.height * 0.5f * height / framing.characterPixels
                                                             : whole;
-    const float distance = halfHeight / std::tan(fieldOfView * 0.5f) + grid.depth * 0.55f;
-    const float yaw = glm::radians(framing.yaw);
+    const float distance = halfHeight / std::tan(fieldOfView * 0.5f) + grid.depth * 0.55f + gridWidth * 0.5f * aside;
+    const float yaw = glm::radians(framing.yaw) + turn;
     const glm::vec3 eye =
         grid.target + distance * glm::vec3(std::sin(yaw), framing.yaw == 0 ? 0 : 0.12f, std::cos(yaw));
     return glm::perspectiveRH_ZO(fieldOfView, aspect, distance * 0.2f, distance * 2 + grid.depth * 2) *
            glm::lookAtRH(eye, grid.target, glm::vec3(0, 1, 0));
 }
 
-// Just before the middle of the grid, whose copies stand in one plane, and nearly along it.
-glm::mat4 fromInside(const Framing& framing, const Grid& grid) {
+// Just before the middle of the grid, whose copies stand in one plane, and nearly along it. The other views look ever
+// more towards the plane, the last one along it the other way.
+glm::mat4 fromInside(const Framing& framing, const Grid& grid, uint32_t view) {
     const float aspect = static_cast<float>(framing.width) / static_cast<float>(framing.height);
     const glm::vec3 eye = grid.target + glm::vec3(0, 0, grid.depth);
-    const glm::vec3 along = glm::normalize(glm::vec3(1, 0, -0.25f));
+    constexpr float towards = 0.25f;
+    const float turn = view * (glm::pi<float>() - 2 * std::atan(towards)) / (MOST_VIEWS - 1);
+    const glm::vec3 along = glm::normalize(
+        glm::vec3(std::cos(turn) - towards * std::sin(turn), 0, -std::sin(turn) - towards * std::cos(turn)));
     const float farthest = grid.columns * grid.cellWidth + 4 * grid.depth;
     return glm::perspectiveRH_ZO(glm::radians(60.0f), aspect, grid.depth * 0.05f, farthest) *
            glm::lookAtRH(eye, eye + along, glm::vec3(0, 1, 0));
+}
+
+glm::mat4 viewProjection(const Framing& framing, const Grid& grid, uint32_t view) {
+    glm::mat4 matrix =
+        framing.camera == Camera::inside ? fromInside(framing, grid, view) : fromTheFront(framing, grid, view);
+    for (int column = 0; column < 4; ++column) matrix[column].y = -matrix[column].y;  // y points down
+    return matrix;
 }
 
 }  // namespace
@@ -80,10 +98,9 @@ glm::mat4 fromInside(const Framing& framing, const Grid& grid) {
 FrameConstants frameConstants(const Framing& framing, uint32_t frame) {
     const Grid grid = layOut(framing);
     FrameConstants constants;
-    constants.viewProjection =
-        framing.camera == Camera::inside ? fromInside(framing, grid) : fromTheFront(framing, grid);
-    for (int column = 0; column < 4; ++column)
-        constants.viewProjection[column].y = -constants.viewProjection[column].y;  // y points down
+    constants.viewProjection = viewProjection(framing, grid, 0);
+    for (uint32_t view = 1; view < MOST_VIEWS; ++view)
+        constants.otherViews[view - 1] = viewProjection(framing, grid, view);
     const bool together = framing.camera == Camera::close;
     constants.grid = {static_cast<float>(grid.columns), together ? 0 : grid.cellWidth, together ? 0 : grid.cellHeight,
                       static_cast<float>(frame)};

@@ -30,7 +30,8 @@ struct Framing {
 };
 
 // Copies fill a grid of about the image's shape; row 0 of the image is its top. The camera `crowd` has it centred and
-// just inside the view. `frame` is the number that FrameConstants carries.
+// just inside the view. The other views look at the same grid from other sides, those of `crowd` and `close` with every
+// copy inside. `frame` is the number that FrameConstants carries.
 FrameConstants frameConstants(const Framing& framing, uint32_t frame);
 
 }  // namespace skinbench

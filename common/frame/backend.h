@@ -197,7 +197,8 @@ struct Draw {
 };
 
 struct Pass {
-    std::string label;  // "skin", "cull", "views", "depth", "draw": the key of passes_ms; those of one label are summed
+    std::string label;  // "skin", "cluster", "cull", "views", "depth", "draw": the key of passes_ms; those of one label
+                        // are summed
     PassKind kind = PassKind::drawIndexed;
     uint32_t program = 0;  // into FramePlan::programs
     RasterMode raster = RasterMode::full;

@@ -91,8 +91,13 @@ std::vector<std::pair<std::string, double>> passTimes(const Prepared& ready, con
     std::vector<std::pair<std::string, double>> times;
     if (ready.host) times.emplace_back("skin", frame.skin);
     if (ready.host && ready.plan) times.emplace_back("upload", frame.timing.upload);
-    for (size_t pass = 0; pass < frame.timing.passes.size(); ++pass)
-        times.emplace_back(ready.labels[pass], frame.timing.passes[pass]);
+    for (size_t pass = 0; pass < frame.timing.passes.size(); ++pass) {
+        const auto known = std::ranges::find(times, ready.labels[pass], &std::pair<std::string, double>::first);
+        if (known == times.end())
+            times.emplace_back(ready.labels[pass], frame.timing.passes[pass]);
+        else
+            known->second += frame.timing.passes[pass];
+    }
     return times;
 }
 

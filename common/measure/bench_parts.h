@@ -81,7 +81,7 @@ inline constexpr uint32_t kBatch = 16;
 Result<std::vector<DrawnFrame>> drawFrames(Prepared& ready, std::span<const FrameData> frames,
                                            RunMode mode = RunMode::timed);
 
-// The frame's passes by name, on the host too.
+// The frame's passes by name, on the host too; passes of one name are one.
 std::vector<std::pair<std::string, double>> passTimes(const Prepared& ready, const DrawnFrame& frame);
 
 // Times every case that is ok.

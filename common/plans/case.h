@@ -171,6 +171,7 @@ struct Case {
     uint32_t clusterTests = CLUSTER_TEST_FRUSTUM | CLUSTER_TEST_CONE;
     ClusterBounds clusterBounds = ClusterBounds::jointSpheres;
     View view = View::shaded;
+    uint32_t views = 1;  // of a frame: the main one, and others that draw depth alone before it
 };
 
 bool onMeshRoute(const Case& c);

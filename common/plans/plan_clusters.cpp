@@ -8,29 +8,25 @@ namespace skinbench {
 namespace {
 
 // A work group a copy; where a draw sees one copy's palette alone, a draw a copy.
-void addCopyDispatches(FramePlan& plan, const char* label, const Case& c, const PlanInput& input,
-                       const DeviceCaps& caps) {
+Pass copyPass(const char* label, const Case& c, const PlanInput& input, const DeviceCaps& caps) {
     Pass pass;
     pass.label = label;
     pass.kind = PassKind::dispatch;
-    pass.program = static_cast<uint32_t>(plan.programs.size() - 1);
     const auto blocks = paletteBlocks(c, input);
     const uint32_t most = blocks ? 1 : std::max(1u, std::min(caps.maxComputeGroupCount, 65535u));
     for (uint32_t copy = 0; copy < input.copies; copy += most)
         pass.draws.push_back({.count = std::min(most, input.copies - copy),
                               .constants = {copy, 0, 0, 0},
                               .paletteOffset = blocks ? blocks->stride() * copy : 0});
-    plan.passes.push_back(std::move(pass));
+    return pass;
 }
 
 Result<void> addCopyPass(FramePlan& plan, const char* label, const char* file, const Case& c, const PlanInput& input,
-                         const DeviceCaps& caps, const Defines& defines) {
-    Defines own = defines;
-    setDefine(own, "SPARE_OUTPUT", "0");  // of mesh stages alone
-    auto program = makeProgram(c, input, label, {{Stage::compute, file}}, own);
+                         const DeviceCaps& caps, Defines defines, const Shown& shown) {
+    setDefine(defines, "SPARE_OUTPUT", "0");  // of mesh stages alone
+    auto program = makeProgram(c, input, label, {{Stage::compute, file}}, defines);
     SKINBENCH_TRY(program);
-    plan.programs.push_back(std::move(*program));
-    addCopyDispatches(plan, label, c, input, caps);
+    addPasses(plan, c, std::move(*program), copyPass(label, c, input, caps), shown);
     return {};
 }
 
@@ -64,13 +60,14 @@ void addClusters(FramePlan& plan, const Case& c, const PlanInput& input, const D
         plan.streams.push_back(
             {.slot = SLOT_COMMAND,
              .use = useStorage | useIndirect,
-             .bytes = toBytes(std::vector<DrawCommand>(input.copies, groupCommand(0, c.route->dialect)))});
+             .bytes = toBytes(std::vector<DrawCommand>(input.copies * c.views, groupCommand(0, c.route->dialect)))});
     const bool ballots = c.clusterCull == ClusterCull::task && caps.meshSubgroups && caps.subgroupSize == TASK_GROUP;
     const std::pair<const char*, std::string> more[] = {
         {"MESHLET_COUNT", std::to_string(input.meshlets->meshlets.size())},
         {"CLUSTER_PARTS", std::to_string(set.parts.size())},
         {"CLUSTER_SCALE", std::format("{:.9e}", packed.scale)},
         {"WEIGHT_ERROR", std::format("{:.9e}", set.weightError)},
+        {"COMMANDS_OF_VIEW", std::to_string(commandsOfView(plan, c))},
         {"FIRST_GROUP_COMMAND", c.variant->listsTriangles ? std::to_string(input.copies) : "0"},
         {"TASK_BALLOT", ballots ? "1" : "0"},
         {"SUBPIXELS", std::to_string(rasterSubpixels(caps))},
@@ -79,15 +76,18 @@ void addClusters(FramePlan& plan, const Case& c, const PlanInput& input, const D
     for (const auto& [name, value] : more) setDefine(defines, name, value);
 }
 
-Result<void> addClusterPasses(FramePlan& plan, const Case& c, const PlanInput& input, const DeviceCaps& caps,
-                              const Defines& defines) {
-    if (c.clusterCull == ClusterCull::off) return {};
-    const bool tests = (c.clusterTests & CLUSTER_TEST_FRUSTUM) != 0;
-    if (c.clusterBounds == ClusterBounds::instance && tests)
-        SKINBENCH_TRY(addCopyPass(plan, "bounds", "bound_instances.glsl", c, input, caps, defines));
-    if (c.clusterCull == ClusterCull::list)
-        SKINBENCH_TRY(addCopyPass(plan, "cluster", "list_clusters.glsl", c, input, caps, defines));
-    return {};
+Result<void> addInstanceBounds(FramePlan& plan, const Case& c, const PlanInput& input, const DeviceCaps& caps,
+                               const Defines& defines) {
+    const bool tests = c.clusterCull != ClusterCull::off && (c.clusterTests & CLUSTER_TEST_FRUSTUM) != 0;
+    if (!tests || c.clusterBounds != ClusterBounds::instance) return {};
+    return addCopyPass(plan, "bounds", "bound_instances.glsl", c, input, caps, defines, {});
+}
+
+Result<void> addClusterList(FramePlan& plan, const Case& c, const PlanInput& input, const DeviceCaps& caps,
+                            Defines defines, const Shown& shown) {
+    if (c.clusterCull != ClusterCull::list) return {};
+    setView(defines, shown);
+    return addCopyPass(plan, "cluster", "list_clusters.glsl", c, input, caps, defines, shown);
 }
 
 void addListedDraws(Pass& pass, const Case& c, const PlanInput& input, uint32_t firstCommand) {

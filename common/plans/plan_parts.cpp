@@ -37,6 +37,7 @@ Defines caseDefines(const Case& c, const PlanInput& input) {
         {"SHORT_TANGENT", packsTangents(c.compute) ? "1" : "0"},
         {"UNIT_VECTORS", c.compute.wicked ? "\"byte_vectors.glsl\"" : "\"octahedral.glsl\""},
         {"LISTS_TRIANGLES", "0"},
+        {"OTHER_VIEW", "0"},
         {"SAME_DEPTH", prepass ? "1" : "0"},
         {"PREPASS", "0"},
         {"DEPTH_ONLY", "0"},
@@ -58,7 +59,7 @@ void setDefine(Defines& defines, const std::string& name, const std::string& val
 }
 
 Result<Program> makeProgram(const Case& c, const PlanInput& input, const char* label,
-                            std::initializer_list<StageFile> stages, const Defines& defines) {
+                            const std::vector<StageFile>& stages, const Defines& defines) {
     const bool shuffles = std::ranges::any_of(defines, [](const auto& define) {
         return (define.first == "EXCHANGE_SHUFFLE" || define.first == "EXCHANGE_OUTPUTS" ||
                 define.first == "TASK_BALLOT") &&
@@ -92,25 +93,78 @@ FramePlan startPlan(const Case& c, const PlanInput& input) {
     return plan;
 }
 
-Pass startDraw(const Case& c, PassKind kind) {
+std::vector<Shown> shownBy(const Case& c, bool firstAlone) {
+    std::vector<Shown> all;
+    const uint32_t alone = firstAlone && c.views > 1 ? 1 : 0;
+    if (alone) all.push_back({false, 1, alone});
+    if (c.views > 1 + alone) all.push_back({false, 1 + alone, c.views - 1 - alone});
+    if (c.scenario == Scenario::prepass) all.push_back({});
+    all.push_back({.image = true});
+    return all;
+}
+
+static const char* labelOf(const Shown& shown) {
+    return shown.image ? "draw" : shown.firstView == 0 ? "depth" : "views";
+}
+
+Pass startPass(const Case& c, PassKind kind, const Shown& shown) {
     Pass pass;
-    pass.label = "draw";
+    pass.label = labelOf(shown);
     pass.kind = kind;
     pass.raster = c.raster;
     pass.cullBackFaces = !c.keepBackFaces;
+    pass.writeColor = shown.image;
+    if (shown.image && c.scenario == Scenario::prepass) {
+        pass.depth = DepthTest::equalKeep;
+        pass.clear = false;
+    }
     return pass;
 }
 
-Pass startDepth(const Case& c, PassKind kind) {
-    Pass pass = startDraw(c, kind);
-    pass.label = "depth";
-    pass.writeColor = false;
-    return pass;
+void setView(Defines& defines, const Shown& shown) {
+    setDefine(defines, "OTHER_VIEW", shown.firstView > 0 ? "1" : "0");
+    if (!shown.image) setDefine(defines, "CAPTURE", "0");
 }
 
-void drawWhereEqual(Pass& pass) {
-    pass.depth = DepthTest::equalKeep;
-    pass.clear = false;
+Result<Program> makeDrawing(const Case& c, const PlanInput& input, const Shown& shown, StageFile geometry,
+                            Defines defines) {
+    setView(defines, shown);
+    if (!shown.image) setDefine(defines, "DEPTH_ONLY", "1");
+    std::vector<StageFile> stages;
+    if (geometry.stage == Stage::mesh && c.clusterCull == ClusterCull::task)
+        stages.push_back({Stage::task, "task.glsl"});
+    stages.push_back(geometry);
+    if (shown.image) stages.push_back({Stage::fragment, "surface.glsl"});
+    return makeProgram(c, input, labelOf(shown), stages, defines);
+}
+
+uint32_t commandsOfView(const FramePlan& plan, const Case& c) {
+    const auto commands =
+        std::ranges::find_if(plan.streams, [](const Stream& stream) { return (stream.use & useIndirect) != 0; });
+    return commands == plan.streams.end()
+               ? 0
+               : static_cast<uint32_t>(streamBytes(*commands) / sizeof(DrawCommand)) / c.views;
+}
+
+void addPasses(FramePlan& plan, const Case& c, Program program, const Pass& pass, const Shown& shown) {
+    plan.programs.push_back(std::move(program));
+    for (uint32_t view = shown.firstView; view < shown.firstView + shown.views; ++view) {
+        Pass& own = plan.passes.emplace_back(pass);
+        own.program = static_cast<uint32_t>(plan.programs.size() - 1);
+        for (Draw& draw : own.draws) {
+            draw.constants[3] = view;
+            if (draw.command) *draw.command += view * commandsOfView(plan, c);
+        }
+    }
+}
+
+void orderByView(FramePlan& plan, size_t firstPass) {
+    const auto place = [](const Pass& pass) {
+        const uint32_t view = pass.draws.front().constants[3];
+        return view == 0 ? MOST_VIEWS : view;
+    };
+    std::ranges::stable_sort(plan.passes.begin() + static_cast<std::ptrdiff_t>(firstPass), plan.passes.end(), {},
+                             place);
 }
 
 void addStream(FramePlan& plan, uint32_t slot, uint32_t use, const Bytes& bytes, uint32_t copies) {
@@ -193,21 +247,13 @@ static std::string diagonalText(const Mesh& mesh) {
     return std::format("{:.9e}", bounds.diagonal());
 }
 
-Result<void> addSkinnedDraw(FramePlan& plan, const Case& c, const PlanInput& input, bool depthOnly) {
+Result<void> addSkinnedDraw(FramePlan& plan, const Case& c, const PlanInput& input, const Shown& shown) {
     Defines defines = caseDefines(c, input);
     setDefine(defines, "PALETTE_UNIFORM", "0");
     if (c.variant->listsTriangles) setDefine(defines, "CAPTURE", "0");  // the pass that skins captures
     if (c.view == View::velocity) setDefine(defines, "SCENE_DIAGONAL", diagonalText(input.scene->mesh));
-    Pass pass = depthOnly ? startDepth(c, PassKind::drawIndexed) : startDraw(c, PassKind::drawIndexed);
-    Result<Program> program;
-    if (depthOnly) {
-        setDefine(defines, "DEPTH_ONLY", "1");
-        setDefine(defines, "CAPTURE", "0");
-        program = makeProgram(c, input, "depth", {{Stage::vertex, "compute.glsl"}}, defines);
-    } else {
-        program = makeProgram(c, input, "draw", {{Stage::vertex, "compute.glsl"}, {Stage::fragment, "surface.glsl"}},
-                              defines);
-    }
+    Pass pass = startPass(c, PassKind::drawIndexed, shown);
+    Result<Program> program = makeDrawing(c, input, shown, {Stage::vertex, "compute.glsl"}, std::move(defines));
     SKINBENCH_TRY(program);
     const SkinnedLayout layout = skinnedLayout(c);
     if (packsVertices(c.compute))
@@ -218,14 +264,11 @@ Result<void> addSkinnedDraw(FramePlan& plan, const Case& c, const PlanInput& inp
     if (c.compute.tangents) program->attributes.push_back({3, AttributeFormat::float4, layout.tangent});
     program->attributeSlot = SLOT_SKINNED;
     program->attributeStride = layout.stride;
-    plan.programs.push_back(std::move(*program));
-    pass.program = static_cast<uint32_t>(plan.programs.size() - 1);
-    if (c.scenario == Scenario::prepass && !depthOnly) drawWhereEqual(pass);
     if (c.variant->listsTriangles)
         addListedDraws(pass, c, input, 0);
     else
         addIndexedDraws(plan, pass, c, input);
-    plan.passes.push_back(std::move(pass));
+    addPasses(plan, c, std::move(*program), pass, shown);
     return {};
 }
 

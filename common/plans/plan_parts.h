@@ -1,8 +1,6 @@
 // What the functions of plans.h build their frames from.
 #pragma once
 
-#include <initializer_list>
-
 #include "common/plans/plans.h"
 #include "common/scene/skin_cpu.h"
 
@@ -22,19 +20,43 @@ struct StageFile {
     const char* file;
 };
 Result<Program> makeProgram(const Case& c, const PlanInput& input, const char* label,
-                            std::initializer_list<StageFile> stages, const Defines& defines);
+                            const std::vector<StageFile>& stages, const Defines& defines);
 
 // Size, palette and, for a verifying plan, the stream to capture into.
 FramePlan startPlan(const Case& c, const PlanInput& input);
 
-// The pass that makes the image: "draw" of the direct scenario.
-Pass startDraw(const Case& c, PassKind kind);
+// What passes of one program show: the main view, number 0, or some of the others, a pass each.
+struct Shown {
+    bool image = false;  // else depth alone
+    uint32_t firstView = 0;
+    uint32_t views = 1;
+};
 
-// The first pass of a pre-pass: depth only.
-Pass startDepth(const Case& c, PassKind kind);
+// What the drawing passes of a case show, one behind the other: each view but the main one, the depth of a pre-pass,
+// the image. `firstAlone` gives the first pass an entry of its own.
+std::vector<Shown> shownBy(const Case& c, bool firstAlone = false);
 
-// Makes `pass` the second pass of a pre-pass.
-void drawWhereEqual(Pass& pass);
+// A drawing pass: "draw" makes the image, after a pre-pass where the depth is equal; "depth" and "views" are depth
+// only.
+Pass startPass(const Case& c, PassKind kind, const Shown& shown);
+
+// What the stages of such passes see of it. Only those that make the image capture.
+void setView(Defines& defines, const Shown& shown);
+
+// The program of a drawing pass: the geometry stage, and the fragment stage where it makes the image.
+Result<Program> makeDrawing(const Case& c, const PlanInput& input, const Shown& shown, StageFile geometry,
+                            Defines defines);
+
+// How many commands of indirect draws each view has, view after view; 0: the plan has none.
+uint32_t commandsOfView(const FramePlan& plan, const Case& c);
+
+// Adds the program, and `pass` once for each view that is shown. Its draws carry the view's number, and where they are
+// indirect they take that view's commands.
+void addPasses(FramePlan& plan, const Case& c, Program program, const Pass& pass, const Shown& shown);
+
+// Orders the passes from that one on by their views, the main one last. All views have one list of triangles or
+// meshlets, so each is drawn before the next one is listed.
+void orderByView(FramePlan& plan, size_t firstPass);
 
 // A copy of the bytes for every character; nothing for null or empty bytes.
 void addStream(FramePlan& plan, uint32_t slot, uint32_t use, const Bytes& bytes, uint32_t copies);
@@ -71,9 +93,9 @@ uint32_t rasterSubpixels(const DeviceCaps& caps);
 void addGroupDraws(Pass& pass, const Case& c, const PlanInput& input, uint32_t groupsOfCopy, uint32_t groupsOfAll,
                    uint32_t most);
 
-// Work groups for `all` things of all copies, or for `each` of one; the program is the plan's last.
-void addDispatches(FramePlan& plan, const char* label, const Case& c, const PlanInput& input, const DeviceCaps& caps,
-                   uint64_t each, uint32_t groupSize);
+// Work groups for all copies at once, or for `each` things of one.
+Pass dispatchPass(const char* label, const Case& c, const PlanInput& input, const DeviceCaps& caps, uint64_t each,
+                  uint32_t groupSize);
 
 // The vertices that shaders read, in the numbers that triangles and meshlets name.
 Mesh decodedMesh(const PlanInput& input);
@@ -81,12 +103,15 @@ Mesh decodedMesh(const PlanInput& input);
 // Room for what a verifying plan of a case that culls writes to SLOT_VERDICT.
 void addVerdicts(FramePlan& plan, const Case& c, const PlanInput& input, Defines& defines);
 
-// What ClusterCull reads and writes, and the defines of its stages; then the passes in front of those that draw:
-// "bounds" with ClusterBounds::instance, "cluster" where meshlets are listed. A list's counts are the commands from 0
-// on or, with Variant::listsTriangles, those behind the draws'.
+// What ClusterCull reads and writes, and the defines of its stages. A list's counts are a view's commands from 0 on or,
+// with Variant::listsTriangles, those behind the draws'.
 void addClusters(FramePlan& plan, const Case& c, const PlanInput& input, const DeviceCaps& caps, Defines& defines);
-Result<void> addClusterPasses(FramePlan& plan, const Case& c, const PlanInput& input, const DeviceCaps& caps,
-                              const Defines& defines);
+
+// The pass "bounds" of ClusterBounds::instance, and a pass "cluster" for each view where meshlets are listed.
+Result<void> addInstanceBounds(FramePlan& plan, const Case& c, const PlanInput& input, const DeviceCaps& caps,
+                               const Defines& defines);
+Result<void> addClusterList(FramePlan& plan, const Case& c, const PlanInput& input, const DeviceCaps& caps,
+                            Defines defines, const Shown& shown);
 
 // The pass "skin": a compute work group for every COMPUTE_GROUP vertices writes SLOT_SKINNED, which must be there.
 // More defines than the case's go to its shader.
@@ -94,7 +119,7 @@ Result<void> addSkinPass(FramePlan& plan, const Case& c, const PlanInput& input,
                          const Defines& more = {});
 
 // A pass with a plain vertex stage over the attributes of SLOT_SKINNED: the same for every variant that
-// has skinned before. `depthOnly` makes it the depth pass of a pre-pass.
-Result<void> addSkinnedDraw(FramePlan& plan, const Case& c, const PlanInput& input, bool depthOnly = false);
+// has skinned before.
+Result<void> addSkinnedDraw(FramePlan& plan, const Case& c, const PlanInput& input, const Shown& shown);
 
 }  // namespace skinbench

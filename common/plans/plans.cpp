@@ -5,34 +5,35 @@
 
 namespace skinbench {
 
-static Result<FramePlan> planVertex(const Case& c, const PlanInput& input) {
-    const bool prepass = c.scenario == Scenario::prepass;
+// Skins where it draws, and with a pre-pass keeps what it has skinned.
+static Result<void> addVertexPasses(FramePlan& plan, const Case& c, const PlanInput& input, const Shown& shown) {
     Defines defines = caseDefines(c, input);
-    Result<Program> program;
-    if (prepass) {
-        setDefine(defines, "PREPASS", "1");
-        setDefine(defines, "DEPTH_ONLY", "1");
-        program = makeProgram(c, input, "depth", {{Stage::vertex, "vertex.glsl"}}, defines);
-    } else {
-        program =
-            makeProgram(c, input, "draw", {{Stage::vertex, "vertex.glsl"}, {Stage::fragment, "surface.glsl"}}, defines);
-    }
+    if (c.scenario == Scenario::prepass) setDefine(defines, "PREPASS", "1");
+    auto program = makeDrawing(c, input, shown, {Stage::vertex, "vertex.glsl"}, std::move(defines));
     SKINBENCH_TRY(program);
-    FramePlan plan = startPlan(c, input);
-    if (c.fetch == VertexFetch::pull) {
-        addEncoded(plan, input);
-    } else {
+    if (c.fetch == VertexFetch::attributes) {
         program->attributes = input.encoded->attributes;
         program->attributeStride = input.encoded->attributeStride;
-        addStream(plan, SLOT_VERTEX, useAttributes, input.encoded->vertices, input.copies);
     }
-    plan.programs.push_back(std::move(*program));
-    Pass pass = prepass ? startDepth(c, PassKind::drawIndexed) : startDraw(c, PassKind::drawIndexed);
+    Pass pass = startPass(c, PassKind::drawIndexed, shown);
     addIndexedDraws(plan, pass, c, input);
-    plan.passes.push_back(std::move(pass));
-    if (!prepass) return plan;
-    addSkinnedStream(plan, input, useStorage | useAttributes);
-    SKINBENCH_TRY(addSkinnedDraw(plan, c, input));
+    addPasses(plan, c, std::move(*program), pass, shown);
+    return {};
+}
+
+static Result<FramePlan> planVertex(const Case& c, const PlanInput& input) {
+    const bool prepass = c.scenario == Scenario::prepass;
+    FramePlan plan = startPlan(c, input);
+    if (c.fetch == VertexFetch::pull)
+        addEncoded(plan, input);
+    else
+        addStream(plan, SLOT_VERTEX, useAttributes, input.encoded->vertices, input.copies);
+    if (prepass) addSkinnedStream(plan, input, useStorage | useAttributes);
+    bool kept = false;
+    for (const Shown& shown : shownBy(c, prepass)) {
+        SKINBENCH_TRY(kept ? addSkinnedDraw(plan, c, input, shown) : addVertexPasses(plan, c, input, shown));
+        kept = prepass;
+    }
     return plan;
 }
 
@@ -47,7 +48,7 @@ Result<FramePlan> planCpu(const Case& c, const PlanInput& input, const DeviceCap
     if (c.route->api == Api::cpu) return plan;
     addSkinnedStream(plan, input, useAttributes);
     plan.streams.back().hostWritten = true;
-    SKINBENCH_TRY(addSkinnedDraw(plan, c, input));
+    for (const Shown& shown : shownBy(c)) SKINBENCH_TRY(addSkinnedDraw(plan, c, input, shown));
     return plan;
 }
 

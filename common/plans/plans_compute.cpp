@@ -32,16 +32,15 @@ Result<void> stagePalette(Defines& defines, const PlanInput& input, const Device
 
 }  // namespace
 
-void addDispatches(FramePlan& plan, const char* label, const Case& c, const PlanInput& input, const DeviceCaps& caps,
-                   uint64_t each, uint32_t groupSize) {
+Pass dispatchPass(const char* label, const Case& c, const PlanInput& input, const DeviceCaps& caps, uint64_t each,
+                  uint32_t groupSize) {
     Pass pass;
     pass.label = label;
     pass.kind = PassKind::dispatch;
-    pass.program = static_cast<uint32_t>(plan.programs.size() - 1);
     auto groups = [&](uint64_t count) { return static_cast<uint32_t>((count + groupSize - 1) / groupSize); };
     addGroupDraws(pass, c, input, groups(each), groups(each * input.copies),
                   std::max(1u, std::min(caps.maxComputeGroupCount, 65535u)));
-    plan.passes.push_back(std::move(pass));
+    return pass;
 }
 
 Result<void> addSkinPass(FramePlan& plan, const Case& c, const PlanInput& input, const DeviceCaps& caps,
@@ -51,8 +50,8 @@ Result<void> addSkinPass(FramePlan& plan, const Case& c, const PlanInput& input,
     if (c.compute.staged) SKINBENCH_TRY(stagePalette(defines, input, caps));
     auto program = makeProgram(c, input, "skin", {{Stage::compute, "compute.glsl"}}, defines);
     SKINBENCH_TRY(program);
-    plan.programs.push_back(std::move(*program));
-    addDispatches(plan, "skin", c, input, caps, input.encoded->vertexCount, COMPUTE_GROUP);
+    addPasses(plan, c, std::move(*program),
+              dispatchPass("skin", c, input, caps, input.encoded->vertexCount, COMPUTE_GROUP), {});
     return {};
 }
 
@@ -65,21 +64,45 @@ Result<FramePlan> planCompute(const Case& c, const PlanInput& input, const Devic
                                 .gpuBytes = uint64_t{input.copies} * input.encoded->vertexCount * sizeof(uint32_t)});
     addSkinnedStream(plan, input, useStorage | useAttributes, skinnedLayout(c).stride);
     SKINBENCH_TRY(addSkinPass(plan, c, input, caps));
-    if (c.scenario == Scenario::prepass) SKINBENCH_TRY(addSkinnedDraw(plan, c, input, true));
-    SKINBENCH_TRY(addSkinnedDraw(plan, c, input));
+    for (const Shown& shown : shownBy(c)) SKINBENCH_TRY(addSkinnedDraw(plan, c, input, shown));
     return plan;
 }
 
-// The commands of all draws: the device counts the indices, the rest stays. With listed meshlets a command a copy more,
-// of the work groups that test triangles.
+// The commands of all draws, view after view: the device counts the indices, the rest stays. With listed meshlets a
+// view has a command a copy more, of the work groups that test triangles.
 static Bytes drawCommands(const Case& c, const PlanInput& input) {
     const auto indices = static_cast<uint32_t>(input.scene->mesh.indices.size());
     std::vector<DrawCommand> commands;
-    for (uint32_t copy = 0; copy < (c.submission == Submission::batched ? 1 : input.copies); ++copy)
-        commands.push_back(
-            {.firstIndex = copy * indices, .baseVertex = static_cast<int32_t>(copy * input.encoded->vertexCount)});
-    if (c.clusterCull == ClusterCull::list) commands.resize(2 * input.copies, groupCommand(0, MeshDialect::none));
+    for (uint32_t view = 0; view < c.views; ++view) {
+        for (uint32_t copy = 0; copy < (c.submission == Submission::batched ? 1 : input.copies); ++copy)
+            commands.push_back(
+                {.firstIndex = copy * indices, .baseVertex = static_cast<int32_t>(copy * input.encoded->vertexCount)});
+        if (c.clusterCull == ClusterCull::list)
+            commands.resize(commands.size() + input.copies, groupCommand(0, MeshDialect::none));
+    }
     return toBytes(commands);
+}
+
+// Tests the triangles of each view that is shown, and lists those that are left.
+static Result<void> addCullPasses(FramePlan& plan, const Case& c, const PlanInput& input, const DeviceCaps& caps,
+                                  Defines defines, const Shown& shown) {
+    const size_t triangles = input.scene->mesh.indices.size() / 3;
+    const std::pair<const char*, uint64_t> more[] = {{"REUSE_SKINNED", 1},
+                                                     {"TRIANGLE_COUNT", triangles},
+                                                     {"SUBPIXELS", rasterSubpixels(caps)},
+                                                     {"IMAGE_WIDTH", input.width},
+                                                     {"IMAGE_HEIGHT", input.height}};
+    for (const auto& [name, value] : more) setDefine(defines, name, std::to_string(value));
+    setView(defines, shown);
+    auto program = makeProgram(c, input, "cull", {{Stage::compute, "cull_triangles.glsl"}}, defines);
+    SKINBENCH_TRY(program);
+    Pass pass = dispatchPass("cull", c, input, caps, triangles, CULL_GROUP);
+    if (c.clusterCull == ClusterCull::list) {
+        pass.draws.clear();
+        addListedDraws(pass, c, input, input.copies);
+    }
+    addPasses(plan, c, std::move(*program), pass, shown);
+    return {};
 }
 
 Result<FramePlan> planComputeCull(const Case& c, const PlanInput& input, const DeviceCaps& caps) {
@@ -95,26 +118,19 @@ Result<FramePlan> planComputeCull(const Case& c, const PlanInput& input, const D
     plan.streams.push_back({.slot = SLOT_COMMAND, .use = useStorage | useIndirect, .bytes = drawCommands(c, input)});
     Defines defines = caseDefines(c, input);
     addClusters(plan, c, input, caps, defines);
+    setDefine(defines, "COMMANDS_OF_VIEW", std::to_string(commandsOfView(plan, c)));
     Defines skinning = defines;
     setDefine(skinning, "LISTS_TRIANGLES", "1");
+    setDefine(skinning, "VIEWS", std::to_string(c.views));
     SKINBENCH_TRY(addSkinPass(plan, c, input, caps, skinning));
-    SKINBENCH_TRY(addClusterPasses(plan, c, input, caps, defines));
-
-    const std::pair<const char*, uint64_t> more[] = {{"REUSE_SKINNED", 1},
-                                                     {"TRIANGLE_COUNT", indices.size() / 3},
-                                                     {"SUBPIXELS", rasterSubpixels(caps)},
-                                                     {"IMAGE_WIDTH", input.width},
-                                                     {"IMAGE_HEIGHT", input.height}};
-    for (const auto& [name, value] : more) setDefine(defines, name, std::to_string(value));
-    auto program = makeProgram(c, input, "cull", {{Stage::compute, "cull_triangles.glsl"}}, defines);
-    SKINBENCH_TRY(program);
-    plan.programs.push_back(std::move(*program));
-    addDispatches(plan, "cull", c, input, caps, indices.size() / 3, CULL_GROUP);
-    if (c.clusterCull == ClusterCull::list) {
-        plan.passes.back().draws.clear();
-        addListedDraws(plan.passes.back(), c, input, input.copies);
+    SKINBENCH_TRY(addInstanceBounds(plan, c, input, caps, defines));
+    const size_t first = plan.passes.size();
+    for (const Shown& shown : shownBy(c)) {
+        SKINBENCH_TRY(addClusterList(plan, c, input, caps, defines, shown));
+        SKINBENCH_TRY(addCullPasses(plan, c, input, caps, defines, shown));
+        SKINBENCH_TRY(addSkinnedDraw(plan, c, input, shown));
     }
-    SKINBENCH_TRY(addSkinnedDraw(plan, c, input));
+    orderByView(plan, first);
     return plan;
 }
 

@@ -72,28 +72,16 @@ Defines meshDefines(const Case& c, const PlanInput& input, const DeviceCaps& cap
     return defines;
 }
 
-// direct skins where it draws, and so does depth, which keeps it for reuse; read draws what a compute pass has skinned.
-enum class MeshPass { direct, depth, reuse, read };
+// skins where it draws; keeps what it has skinned there for reuse; reads what a pass before has skinned.
+enum class MeshPass { skins, keeps, reads };
 
 Result<void> addMeshPass(FramePlan& plan, MeshPass kind, const Case& c, const PlanInput& input, const DeviceCaps& caps,
-                         Defines defines) {
-    Pass pass = kind == MeshPass::depth ? startDepth(c, PassKind::drawMesh) : startDraw(c, PassKind::drawMesh);
-    Result<Program> program;
-    if (kind == MeshPass::depth) {
-        setDefine(defines, "PREPASS", "1");
-        setDefine(defines, "DEPTH_ONLY", "1");
-        program = makeProgram(c, input, "depth", {{Stage::mesh, "mesh.glsl"}}, defines);
-    } else {
-        setDefine(defines, "REUSE_SKINNED", kind == MeshPass::direct ? "0" : "1");
-        const StageFile mesh{Stage::mesh, "mesh.glsl"}, fragment{Stage::fragment, "surface.glsl"};
-        program = c.clusterCull == ClusterCull::task
-                      ? makeProgram(c, input, "draw", {{Stage::task, "task.glsl"}, mesh, fragment}, defines)
-                      : makeProgram(c, input, "draw", {mesh, fragment}, defines);
-    }
+                         Defines defines, const Shown& shown) {
+    setDefine(defines, "PREPASS", kind == MeshPass::keeps ? "1" : "0");
+    setDefine(defines, "REUSE_SKINNED", kind == MeshPass::reads ? "1" : "0");
+    auto program = makeDrawing(c, input, shown, {Stage::mesh, "mesh.glsl"}, std::move(defines));
     SKINBENCH_TRY(program);
-    if (kind == MeshPass::reuse) drawWhereEqual(pass);
-    plan.programs.push_back(std::move(*program));
-    pass.program = static_cast<uint32_t>(plan.programs.size() - 1);
+    Pass pass = startPass(c, PassKind::drawMesh, shown);
     const uint32_t most = std::max(1u, meshLimits(caps, c.route->dialect).maxGroupCount);
     const auto meshlets = static_cast<uint32_t>(input.meshlets->meshlets.size());
     const uint32_t each = c.clusterCull == ClusterCull::task ? TASK_GROUP : 1;
@@ -105,7 +93,7 @@ Result<void> addMeshPass(FramePlan& plan, MeshPass kind, const Case& c, const Pl
     else
         addGroupDraws(pass, c, input, (meshlets + each - 1) / each, (meshlets * input.copies + each - 1) / each,
                       std::min(most, 65535u));
-    plan.passes.push_back(std::move(pass));
+    addPasses(plan, c, std::move(*program), pass, shown);
     return {};
 }
 
@@ -135,13 +123,20 @@ Result<FramePlan> planMesh(const Case& c, const PlanInput& input, const DeviceCa
     auto defines = addMeshlets(plan, c, input, caps);
     SKINBENCH_TRY(defines);
     addClusters(plan, c, input, caps, *defines);
-    SKINBENCH_TRY(addClusterPasses(plan, c, input, caps, *defines));
-    auto add = [&](MeshPass kind) { return addMeshPass(plan, kind, c, input, caps, *defines); };
-    SKINBENCH_TRY(add(prepass ? MeshPass::depth : MeshPass::direct));
-    if (!prepass) return plan;
-    addSkinnedStream(plan, input, useStorage | useAttributes);
-    auto second = caps.meshDepthDiffers ? add(MeshPass::reuse) : addSkinnedDraw(plan, c, input);
-    SKINBENCH_TRY(second);
+    SKINBENCH_TRY(addInstanceBounds(plan, c, input, caps, *defines));
+    if (prepass) addSkinnedStream(plan, input, useStorage | useAttributes);
+    const size_t first = plan.passes.size();
+    bool kept = false;
+    for (const Shown& shown : shownBy(c, prepass)) {
+        SKINBENCH_TRY(addClusterList(plan, c, input, caps, *defines, shown));
+        const MeshPass kind = kept ? MeshPass::reads : prepass ? MeshPass::keeps : MeshPass::skins;
+        if (kept && !caps.meshDepthDiffers)
+            SKINBENCH_TRY(addSkinnedDraw(plan, c, input, shown));
+        else
+            SKINBENCH_TRY(addMeshPass(plan, kind, c, input, caps, *defines, shown));
+        kept = prepass;
+    }
+    orderByView(plan, first);
     return plan;
 }
 
@@ -153,8 +148,13 @@ Result<FramePlan> planComputeMesh(const Case& c, const PlanInput& input, const D
     addClusters(plan, c, input, caps, *defines);
     addSkinnedStream(plan, input, useStorage);
     SKINBENCH_TRY(addSkinPass(plan, c, input, caps));
-    SKINBENCH_TRY(addClusterPasses(plan, c, input, caps, *defines));
-    SKINBENCH_TRY(addMeshPass(plan, MeshPass::read, c, input, caps, *defines));
+    SKINBENCH_TRY(addInstanceBounds(plan, c, input, caps, *defines));
+    const size_t first = plan.passes.size();
+    for (const Shown& shown : shownBy(c)) {
+        SKINBENCH_TRY(addClusterList(plan, c, input, caps, *defines, shown));
+        SKINBENCH_TRY(addMeshPass(plan, MeshPass::reads, c, input, caps, *defines, shown));
+    }
+    orderByView(plan, first);
     return plan;
 }
 

@@ -178,8 +178,13 @@ void addPasses(Columns& rows) {
                     .digits = 2,
                     .terminal = TerminalColumn{"of its own limit", 16},
                     .page = PageColumn{.header = "× limit", .marked = true}});
-    for (const char* label : {"skin", "depth", "draw"})
+    auto pass = [&](const char* label, bool leftOut) {
         rows.push_back(milliseconds(std::string("passes_ms.") + label, passOf(label), {label}));
+        rows.back().leftOut = leftOut;
+    };
+    pass("skin", false);
+    for (const char* label : {"bounds", "cluster", "cull", "views"}) pass(label, true);
+    for (const char* label : {"depth", "draw"}) pass(label, false);
     rows.push_back(milliseconds("passes_ms.upload", passOf("upload"), {.header = "upload", .group = "passes"}));
     rows.back().leftOut = true;
     rows.push_back(milliseconds("unserialised_ms.median", figureOf([](const auto& f) { return f.overlapped->median; }),
@@ -221,7 +226,10 @@ void addRates(Columns& rows) {
                     .page = PageColumn{"read", "GB/s", "rates", true}});
     rows.push_back({.path = "achieved.triangles_per_s",
                     .unit = "1/s",
-                    .value = [](const ResultInRun& r) { return toJson(aSecond(r, r.context.scene.triangles)); },
+                    .value =
+                        [](const ResultInRun& r) {
+                            return toJson(aSecond(r, r.context.scene.triangles * r.result.theCase.views));
+                        },
                     .scale = 1e-9,
                     .digits = 3,
                     .page = PageColumn{"triangles", "10⁹/s", "rates", true}});

@@ -177,8 +177,8 @@ static Json peakJson(const RunContext& context, const std::vector<CaseResult>& r
     double most = 0;
     for (const CaseResult& result : results)
         if (result.isLimit && result.theCase.route->api == api && isTimed(result) && medianOf(result) > 0)
-            most = std::max(most, static_cast<double>(context.scene.triangles) * context.workload.copies /
-                                      (medianOf(result) * 1e-3));
+            most = std::max(most, static_cast<double>(context.scene.triangles) * context.workload.copies *
+                                      result.theCase.views / (medianOf(result) * 1e-3));
     auto copied = context.copyBandwidth.find(api);
     if (most == 0 && copied == context.copyBandwidth.end()) return nullptr;
     return {{"copy_bytes_per_s", copied == context.copyBandwidth.end() ? Json(nullptr) : Json(copied->second)},

@@ -188,6 +188,7 @@ TEST_CASE("the limit of a case keeps what its draws are made of") {
     CHECK(limit("vk/vertex/uc+8-influences+batched+keep-back-faces+discard") ==
           "vk/none/ids+8-influences+pull+batched+keep-back-faces+discard");
     CHECK(limit("gl/compute/pc+staged") == "gl/none/ids+pull");
+    CHECK(limit("vk/compute/uc+no-fragments+4-views") == "vk/none/ids+pull+no-fragments+4-views");
     CHECK(limit("vk/palette/uc+slots-20") == "vk/none/ids+pull");
     CHECK(limit("vk-nv/mesh-ci/uc/scan/fixed+64-84+group-64+unpacked-writes+fat+cull-compact+no-fragments") ==
           "vk-nv/none/ids/scan/fixed+64-84+group-64+unpacked-writes+ordered-records+no-fragments");
@@ -222,7 +223,7 @@ TEST_CASE("words that no case has are reported with what they need") {
 TEST_CASE("cases do the same work when they draw the same, however they skin") {
     const auto caseOf = [](const char* id) { return parseCaseId(id).value(); };
     CHECK(sameWork(caseOf("vk/vertex/uc"), caseOf("gl-nv/mesh/pc/meshopt/redirect+cull-compact")));
-    for (const char* other :
-         {"vk/vertex/uc+discard", "vk/vertex/uc+8-influences", "vk/vertex/uc+prepass", "vk/vertex/uc+keep-back-faces"})
+    for (const char* other : {"vk/vertex/uc+discard", "vk/vertex/uc+8-influences", "vk/vertex/uc+prepass",
+                              "vk/vertex/uc+keep-back-faces", "vk/vertex/uc+2-views"})
         CHECK(!sameWork(caseOf("vk/vertex/uc"), caseOf(other)));
 }

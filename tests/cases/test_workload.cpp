@@ -51,7 +51,7 @@ struct Extent {
 };
 
 // Normalised device coordinates of a copy's corners, its place in the grid found as the shaders find it.
-Extent projected(const FrameConstants& constants, const Bounds& bounds, uint32_t copy) {
+Extent projected(const FrameConstants& constants, const Bounds& bounds, uint32_t copy, const glm::mat4& view) {
     const auto columns = static_cast<uint32_t>(constants.grid.x);
     const glm::vec3 offset(static_cast<float>(copy % columns) * constants.grid.y,
                            -static_cast<float>(copy / columns) * constants.grid.z, 0);
@@ -60,12 +60,16 @@ Extent projected(const FrameConstants& constants, const Bounds& bounds, uint32_t
         const glm::vec3 p =
             offset + glm::vec3(corner & 1 ? bounds.max.x : bounds.min.x, corner & 2 ? bounds.max.y : bounds.min.y,
                                corner & 4 ? bounds.max.z : bounds.min.z);
-        const glm::vec4 clip = constants.viewProjection * glm::vec4(p, 1);
+        const glm::vec4 clip = view * glm::vec4(p, 1);
         REQUIRE(clip.w > 0);
         extent.min = glm::min(extent.min, glm::vec3(clip) / clip.w);
         extent.max = glm::max(extent.max, glm::vec3(clip) / clip.w);
     }
     return extent;
+}
+
+Extent projected(const FrameConstants& constants, const Bounds& bounds, uint32_t copy) {
+    return projected(constants, bounds, copy, constants.viewProjection);
 }
 
 }  // namespace
@@ -286,4 +290,50 @@ TEST_CASE("cameras have less in view than the crowd, or all of it at one place")
     CHECK(together.grid.z == 0);
     // As large as a single one is drawn, but for the clips' bounds.
     CHECK(std::abs(together.viewProjection[1].y / frameOf(one, 0).constants.viewProjection[1].y - 1) < 0.2f);
+}
+
+// How many copies have a place on the upright line through their middle in that view.
+static uint32_t copiesSeen(FrameConstants constants, const Bounds& bounds, uint32_t copies, const glm::mat4& view) {
+    constants.viewProjection = view;
+    uint32_t seen = 0;
+    for (uint32_t copy = 0; copy < copies; ++copy) {
+        bool any = false;
+        for (int step = 0; step <= 40; ++step) {
+            glm::dvec3 place = glm::dvec3(bounds.min + bounds.max) * 0.5;
+            place.y = glm::mix(bounds.min.y, bounds.max.y, static_cast<float>(step) / 40);
+            const glm::dvec4 clip = clipPosition(constants, copy, place);
+            any = any || (clip.w > 0 && std::abs(clip.x) < clip.w && std::abs(clip.y) < clip.w && clip.z > 0 &&
+                          clip.z < clip.w);
+        }
+        seen += any;
+    }
+    return seen;
+}
+
+TEST_CASE("the other views look at the copies from directions of their own") {
+    auto creature = makeBuiltin("creature", 3000);  // longer than it is wide
+    REQUIRE(creature);
+    for (const Scene& scene : {tinyScene(), *creature})
+        for (uint32_t copies : {1u, 37u})
+            for (Camera camera : {Camera::crowd, Camera::half, Camera::inside, Camera::close}) {
+                if (copies == 1 && camera == Camera::inside) continue;  // there is no row to look along
+                Workload workload =
+                    workloadOf(scene, {.copies = copies, .width = 640, .height = 360, .camera = camera});
+                const FrameConstants constants = frameOf(workload, 0).constants;
+                const Bounds bounds = workload.bounds[4];
+                std::vector<glm::mat4> views{constants.viewProjection};
+                views.insert(views.end(), std::begin(constants.otherViews), std::end(constants.otherViews));
+                for (size_t view = 0; view < views.size(); ++view) {
+                    INFO(scene.name << ", " << copies << " copies, camera "
+                                    << cameraNames()[static_cast<size_t>(camera)] << ", view " << view);
+                    for (size_t other = 0; other < view; ++other) CHECK(views[view] != views[other]);
+                    CHECK(copiesSeen(constants, bounds, copies, views[view]) > 0);
+                    if (camera == Camera::half || camera == Camera::inside) continue;
+                    for (uint32_t copy = 0; copy < copies; ++copy) {
+                        const Extent extent = projected(constants, bounds, copy, views[view]);
+                        CHECK(glm::all(glm::lessThan(extent.max, glm::vec3(1))));
+                        CHECK(glm::all(glm::greaterThan(extent.min, glm::vec3(-1, -1, 0))));
+                    }
+                }
+            }
 }

@@ -38,6 +38,24 @@ struct Drawn {
     std::vector<Timing> overlap;
 };
 
+FramePlan planOf(Workload& workload, const Case& c, const Backend& backend) {
+    const auto input = planInput(workload, c);
+    REQUIRE(input);
+    auto plan = makePlan(c, *input, backend.caps());
+    REQUIRE(plan);
+    return std::move(*plan);
+}
+
+Image imageOf(Backend& backend, const FramePlan& plan, const FrameInput& frame) {
+    const auto id = backend.prepare(plan);
+    REQUIRE(id);
+    REQUIRE(backend.run(*id, std::vector{frame}));
+    auto image = backend.readImage(*id);
+    REQUIRE(image);
+    backend.release(*id);
+    return std::move(*image);
+}
+
 Drawn drawBothWays(Workload& workload, const Case& c, Backend& backend) {
     auto input = planInput(workload, c);
     REQUIRE(input);
@@ -220,8 +238,10 @@ TEST_CASE("passes that overlap draw the same image, and are timed as one") {
     Case prepassVk = makeCase("vk", "compute"), prepassGl = makeCase("gl", "vertex"),
          prepassMesh = makeCase("vk-ext", "mesh");
     for (Case* c : {&prepassVk, &prepassGl, &prepassMesh}) c->scenario = Scenario::prepass;
-    const std::vector<Case> cases =
-        offered({makeCase("vk", "compute"), makeCase("gl", "compute"), prepassVk, prepassGl, prepassMesh});
+    Case viewsVk = makeCase("vk", "compute-cull"), viewsGl = makeCase("gl", "compute-cull"), viewsMesh = prepassMesh;
+    for (Case* c : {&viewsVk, &viewsGl, &viewsMesh}) c->views = 4;
+    const std::vector<Case> cases = offered({makeCase("vk", "compute"), makeCase("gl", "compute"), prepassVk, prepassGl,
+                                             prepassMesh, viewsVk, viewsGl, viewsMesh});
     for (const Case& c : cases) {
         INFO(caseId(c));
         Backend& backend = *openedBackends().at(c.route->api).backend;
@@ -235,6 +255,68 @@ TEST_CASE("passes that overlap draw the same image, and are timed as one") {
     for (const CaseResult& result : *results) {
         INFO(result.id << ": " << result.reason);
         CHECK(result.overlapped.size() == result.total.size());
+        // Passes of one name are one.
+        std::vector<double> sums(result.total.size(), 0);
+        for (const auto& [label, samples] : result.passes) {
+            REQUIRE(samples.size() == sums.size());
+            for (size_t i = 0; i < sums.size(); ++i) sums[i] += samples[i];
+        }
+        for (size_t i = 0; i < sums.size(); ++i) CHECK(std::abs(sums[i] - result.total[i]) <= 1e-9 * sums[i]);
+        CHECK(result.passes.contains("views") == (result.theCase.views > 1));
+    }
+}
+
+TEST_CASE("several views draw the picture of one, wherever they look from") {
+    if (!anyDriver()) SKIP("no Vulkan and no OpenGL driver on this machine");
+    Case batched = makeCase("gl", "compute-cull"), culling = makeCase("vk-ext", "mesh");
+    batched.submission = Submission::batched;
+    culling.cull = Cull::compact;
+    const std::vector<Case> cases = offered({makeCase("vk", "vertex"), makeCase("vk", "compute-cull"), culling, batched,
+                                             makeCase("gl-ext", "compute-mesh")});
+    for (size_t number = 0; const Camera camera : {Camera::crowd, Camera::half, Camera::inside, Camera::close}) {
+        Workload workload = tinyWorkload(7);
+        workload.settings.camera = camera;
+        for (Case c : cases) {
+            if (number++ % 2) continue;  // each case in two cameras
+            Backend& backend = *openedBackends().at(c.route->api).backend;
+            const auto one = renderImage(workload, c, backend);
+            c.views = 8;
+            const auto eight = renderImage(workload, c, backend);
+            INFO(caseId(c) << ", camera " << cameraNames()[static_cast<size_t>(camera)]);
+            REQUIRE(one);
+            REQUIRE(eight);
+            CHECK(one->rgba == eight->rgba);
+        }
+    }
+}
+
+TEST_CASE("another view lays down the depth that its own matrix says") {
+    if (!anyDriver()) SKIP("no Vulkan and no OpenGL driver on this machine");
+    Workload workload = tinyWorkload(kCopies);
+    Case vertex = makeCase("vk", "vertex"), compute = makeCase("gl", "compute"), ext = makeCase("vk-ext", "mesh"),
+         nv = makeCase("gl-nv", "mesh"), glExt = makeCase("gl-ext", "mesh");
+    for (Case* c : {&vertex, &compute, &ext, &nv, &glExt}) c->scenario = Scenario::prepass;
+    for (Case c : offered({vertex, compute, ext, nv, glExt, makeCase("vk", "compute-cull"),
+                           makeCase("gl", "compute-cull"), makeCase("vk-ext", "compute-mesh")})) {
+        Backend& backend = *openedBackends().at(c.route->api).backend;
+        const bool exact = c.scenario == Scenario::prepass || backend.caps().software;
+        if (!exact) continue;
+        c.views = 2;
+        FramePlan plan = planOf(workload, c, backend);
+        const auto input = planInput(workload, c);
+        auto frame = makeFrame(workload, c.influences, 0);
+        REQUIRE(frame);
+        const auto palette = paletteBytes(*input, {}, *frame);
+        REQUIRE(palette);
+        INFO(caseId(c));
+        const Image whole = imageOf(backend, plan, {frame->constants, *palette, {}});
+        // The image keeps what lies at the depth of the other view.
+        std::erase_if(plan.passes, [](const Pass& pass) { return pass.label == "depth"; });
+        plan.passes.back().depth = DepthTest::equalKeep;
+        plan.passes.back().clear = false;
+        CHECK(compareImages(whole, imageOf(backend, plan, {frame->constants, *palette, {}}), 2).fraction > 0.01);
+        frame->constants.otherViews[0] = frame->constants.viewProjection;
+        CHECK(compareImages(whole, imageOf(backend, plan, {frame->constants, *palette, {}}), 2).fraction == 0);
     }
 }
 

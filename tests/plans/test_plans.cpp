@@ -87,6 +87,95 @@ TEST_CASE("a pre-pass lays down depth, keeps the skinned vertices, and draws whe
     }
 }
 
+TEST_CASE("the other views are drawn before the main one, depth alone, from what is skinned once or again") {
+    Workload workload = tinyWorkload(2);
+    struct Expected {
+        const char *route, *variant;
+        Scenario scenario;
+        uint32_t views;
+        std::vector<std::string> passes;
+        ClusterCull clusters = ClusterCull::off;
+    };
+    const std::vector<Expected> all = {
+        {"vk", "vertex", Scenario::direct, 4, {"views", "views", "views", "draw"}},
+        {"gl", "palette", Scenario::direct, 2, {"views", "draw"}},
+        {"vk", "cpu", Scenario::direct, 2, {"views", "draw"}},
+        {"vk-nv", "mesh-ci", Scenario::direct, 2, {"views", "draw"}},
+        {"gl", "compute", Scenario::direct, 4, {"skin", "views", "views", "views", "draw"}},
+        {"vk-ext", "compute-mesh", Scenario::direct, 2, {"skin", "views", "draw"}},
+        {"vk",
+         "compute-cull",
+         Scenario::direct,
+         4,
+         {"skin", "cull", "views", "cull", "views", "cull", "views", "cull", "draw"}},
+        {"vk-ext", "mesh", Scenario::direct, 2, {"cluster", "views", "cluster", "draw"}, ClusterCull::list},
+        {"vk-nv", "mesh", Scenario::direct, 2, {"views", "draw"}, ClusterCull::task},
+        {"gl",
+         "compute-cull",
+         Scenario::direct,
+         2,
+         {"skin", "cluster", "cull", "views", "cluster", "cull", "draw"},
+         ClusterCull::list},
+        {"vk", "compute", Scenario::prepass, 2, {"skin", "views", "depth", "draw"}},
+        {"vk", "vertex", Scenario::prepass, 4, {"views", "views", "views", "depth", "draw"}},
+        {"gl-ext", "mesh", Scenario::prepass, 4, {"views", "views", "views", "depth", "draw"}},
+    };
+    for (const Expected& expected : all) {
+        Case c = makeCase(expected.route, expected.variant);
+        c.scenario = expected.scenario;
+        c.clusterCull = expected.clusters;
+        const FramePlan one = planOf(workload, c, generousCaps(c.route->api));
+        c.views = expected.views;
+        const FramePlan plan = planOf(workload, c, generousCaps(c.route->api));
+        INFO(caseId(c));
+        std::vector<std::string> labels;
+        std::vector<uint32_t> drawn, keeping;
+        for (const Pass& pass : plan.passes) {
+            labels.push_back(pass.label);
+            const Program& program = plan.programs[pass.program];
+            if (program.stages.front().text.contains("#define PREPASS 1\n")) keeping.push_back(pass.program);
+            for (const Draw& draw : pass.draws) CHECK(draw.constants[3] == pass.draws.front().constants[3]);
+            if (pass.label != "views") continue;
+            CHECK(!pass.writeColor);
+            CHECK(pass.clear);
+            CHECK(pass.depth == DepthTest::lessWrite);
+            CHECK(program.stages.size() == (c.clusterCull == ClusterCull::task ? 2 : 1));
+            for (const ShaderText& stage : program.stages) CHECK(stage.text.contains("#define OTHER_VIEW 1\n"));
+            drawn.push_back(pass.draws.front().constants[3]);
+        }
+        CHECK(labels == expected.passes);
+        CHECK(drawn == (c.views == 2 ? std::vector<uint32_t>{1} : std::vector<uint32_t>{1, 2, 3}));
+        const bool keeps = c.scenario == Scenario::prepass && c.variant != findVariant("compute");
+        CHECK(keeping == (keeps ? std::vector<uint32_t>{0} : std::vector<uint32_t>{}));
+        // The main view's program is that of one view.
+        const auto& image = plan.programs[passOf(plan, "draw").program].stages;
+        const auto& alone = one.programs[passOf(one, "draw").program].stages;
+        REQUIRE(image.size() == alone.size());
+        for (size_t i = 0; i < image.size(); ++i) CHECK(image[i].text == alone[i].text);
+    }
+}
+
+TEST_CASE("each view's triangles are counted in commands of their own") {
+    Workload workload = tinyWorkload(3);
+    for (Submission submission : {Submission::perCopy, Submission::batched}) {
+        Case c = makeCase("gl", "compute-cull");
+        c.views = 2;
+        c.submission = submission;
+        const FramePlan plan = planOf(workload, c, generousCaps(Api::opengl));
+        const uint32_t commands = submission == Submission::batched ? 1 : 3;
+        INFO(caseId(c));
+        CHECK(streamBytes(*streamOf(plan, SLOT_COMMAND)) == 2 * commands * sizeof(DrawCommand));
+        std::set<uint32_t> image, other;
+        for (const Draw& draw : passOf(plan, "draw").draws) image.insert(*draw.command);
+        for (const Draw& draw : passOf(plan, "views").draws) other.insert(*draw.command);
+        CHECK(image.size() == commands);
+        CHECK(*image.rbegin() == commands - 1);
+        CHECK(other.size() == commands);
+        CHECK(*other.begin() == commands);
+        CHECK(*other.rbegin() == 2 * commands - 1);
+    }
+}
+
 TEST_CASE("uniform palettes are blocks that draws point into") {
     Workload workload = tinyWorkload(3);
     Case mesh = makeCase("vk-ext", "mesh");

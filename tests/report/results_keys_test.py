@@ -11,10 +11,11 @@ import sys
 
 program, page, folder = sys.argv[1:]
 SMALL = ["--copies", "1", "--frames", "2", "--size", "64x64"]
-RUNS = {  # skipped, prepass and host-skinned cases; pairs and limits
+RUNS = {  # skipped, prepass and host-skinned cases; several views; pairs and limits
     "cases": ["--routes", "cpu,vk,vk-ext,vk-nv", "--variants", "vertex,cpu,mesh-ci", "--scenario", "prepass",
               "--compute", "plain"],
-    "culling": ["--routes", "vk", "--variants", "compute-cull", "--cluster-cull", "list"],
+    "culling": ["--routes", "vk", "--variants", "compute-cull", "--cluster-cull", "list", "--cluster-bounds", "instance",
+                "--views", "2"],
     "pairs": ["--routes", "cpu,vk-ext", "--variants", "cpu,mesh", "--self-test"],
 }
 
