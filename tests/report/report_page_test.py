@@ -173,6 +173,16 @@ def axis(name, values, **more):
             "values": values, "beside": None, **more}
 
 
+def several_views():
+    """Vertex is faster with 1 and 2 views, compute with 4 and 8."""
+    content = results()
+    content["cases"] = [
+        case("vk", variant, "uc", median, options={"influences": "4", "views": str(views)},
+             id=f"vk/{variant}/uc+no-fragments" + (f"+{views}-views" if views > 1 else ""))
+        for views in (1, 2, 4, 8) for variant, median in (("vertex", 4 * views), ("compute", 7 + views))]
+    return content
+
+
 def of_tomorrow():
     """A file with an axis, an axis beside it, a route, a variant and a figure that this program does not know."""
     content = results()
@@ -322,7 +332,17 @@ def main():
         content = results()
         use_one_file(browser, make(skinbench, folder, "one", [content]), content)
 
+        check(not browser.value("document.getElementById('views')"), "one view makes no curve")
+
         use_file_of_tomorrow(browser, make(skinbench, folder, "tomorrow", [of_tomorrow()]))
+
+        browser.open(make(skinbench, folder, "views", [several_views()]))
+        check(browser.complaints() == [], f"the console is silent with several views: {browser.complaints()}")
+        check(browser.value("document.querySelectorAll('#views path.line').length") == 2, "each variant has a line")
+        crossing = browser.value("document.querySelector('#views .wide tbody').innerText")
+        check(crossing.split() == "compute vertex 2.33 2.33 to 2.34".split(), f"the crossing is named: {crossing}")
+        check("no-fragments, 4 views" in browser.value("document.querySelector('.findings').innerText"),
+              "numbers of views are different work")
 
         other = results(software=True)
         other["settings"]["copies"] = 9

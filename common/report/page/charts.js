@@ -36,7 +36,7 @@ function variantColour(variant) {
     return `v-${place >= 0 && place < kVariantColours ? place : "other"}`;
 }
 const kBuffers = ["vertex", "index", "meshlet", "additional_meshlet", "tuple", "palette", "skinned"];
-const kPasses = ["skin", "upload", "depth", "draw"];
+const kPasses = ["skin", "upload", "bounds", "cluster", "cull", "views", "depth", "draw"];
 const kShapes = {
     circle: "M-5,0a5,5 0 1,0 10,0a5,5 0 1,0 -10,0Z",
     square: "M-4.5,-4.5H4.5V4.5H-4.5Z",

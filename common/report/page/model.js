@@ -107,6 +107,7 @@ function readCase(raw, file) {
         software: onSoftware(file, route),
     };
     result.fetch = options.vertex_fetch || "";
+    result.views = Number(options.views) || 1;
     result.stage = result.fetch
         ? `${result.variant}, ${result.fetch === "pull" ? "pulling" : "attributes"}`
         : result.variant;
@@ -121,6 +122,7 @@ function workOf(row) {
     const parts = [row.raster || "?", row.scenario || "?"];
     if (row.options.influences) parts.push(`${row.options.influences} influences`);
     if (row.options.back_faces === "kept") parts.push("back faces kept");
+    if (row.views > 1) parts.push(`${row.views} views`);
     return parts.join(", ");
 }
 

@@ -27,8 +27,11 @@ function chosenCharts() {
         const inWork = state.file.timed.filter((row) => row.work === state.work);
         const codecs = unique(inWork.map((row) => row.codec));
         if (!codecs.includes(state.codec)) state.codec = "";
-        const rows = inWork.filter((row) => !state.codec || row.codec === state.codec);
-        const where = scope(state.file, state.work) + (state.codec ? `, codec ${state.codec}` : "");
+        const ofCodec = state.file.timed.filter((row) => !state.codec || row.codec === state.codec);
+        const rows = ofCodec.filter((row) => row.work === state.work);
+        const codec = state.codec ? `, codec ${state.codec}` : "",
+            where = scope(state.file, state.work) + codec,
+            work = rows.length ? workOfOneView(rows[0]) : "";
         const change = (name, label) => (value) => {
             state[name] = value;
             redraw(label);
@@ -60,6 +63,7 @@ function chosenCharts() {
                       ),
                       section("apis", "Vulkan or OpenGL, EXT or NV", apiChart(rows, where)),
                       section("choices", "What each choice does", choiceChart(rows, where)),
+                      section("views", "Several views", viewsSection(ofCodec, work, scope(state.file, work) + codec)),
                       section("codecs", "Codecs", codecChart(inWork, scope(state.file, state.work))),
                       section("passes", "Passes and limits", passChart(rows, where), limitChart(rows, where)),
                   ]
