@@ -387,7 +387,8 @@ void completeResults(Json& results) {
         if (device["route_api"].is_string()) addMissing(device, {{"routes", routesOf(device["route_api"])}});
         addMissing(device, {{"label", device["name"]}, {"uuid", nullptr}, {"pci", nullptr}});
     }
-    // Axes that came after the file. Before there was a choice, joints of zero weights were read.
+    // Axes that came after the file. Before there was a choice, joints of zero weights were read, and vertices were
+    // written last.
     addMissing(results, {{"axes", Json::array()}});
     const auto lacks = [&](const Json& axis) {
         return std::ranges::none_of(results["axes"], [&](const Json& known) {
@@ -398,7 +399,10 @@ void completeResults(Json& results) {
     for (const Json& axis : axesJson())
         if (lacks(axis)) added.push_back(axis);
     if (added.empty()) return;
-    const bool loads = std::ranges::any_of(added, [](const Json& axis) { return axis["name"] == "zero_weights"; });
+    const auto isAdded = [&](const char* name) {
+        return std::ranges::any_of(added, [&](const Json& axis) { return axis["name"] == name; });
+    };
+    const bool loads = isAdded("zero_weights"), last = isAdded("vertex_writes");
     for (const Json& axis : added) results["axes"].push_back(axis);
     for (Json& row : results["cases"]) {
         addMissing(row, {{"options", Json::object()}});
@@ -407,6 +411,7 @@ void completeResults(Json& results) {
         auto c = parseCaseId(id.substr(0, id.find("+again")));
         if (!c) continue;
         if (loads) c->zeroWeights = ZeroWeights::load;
+        if (last && c->cull == Cull::compact) c->vertexWrites = VertexWrites::last;
         Json ofCase = Json::object();
         addAxes(ofCase, *c, true);
         addMissing(row, ofCase);

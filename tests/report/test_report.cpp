@@ -457,17 +457,24 @@ TEST_CASE("a file of an older version is completed when it is read") {
     CHECK(!isSoftwareRoute(*loaded, "a route of tomorrow"));
 }
 
-TEST_CASE("a file from before zero weights could be skipped has loaded them") {
-    Json older = sample();
+TEST_CASE("a file from before there was a choice loaded zero weights, and wrote vertices last") {
+    std::vector<CaseResult> results(1);
+    results[0].theCase = makeCase("vk-ext", "mesh");
+    results[0].theCase.cull = Cull::compact;
+    results[0].id = caseId(results[0].theCase);
+    Json older = resultsJson(hostContext(), results);
+    const std::vector<std::string> later = {"zero_weights", "vertex_writes"};
     Json axes = Json::array();
     for (const Json& axis : older["axes"])
-        if (axis["name"] != "zero_weights") axes.push_back(axis);
+        if (std::ranges::find(later, axis["name"].get<std::string>()) == later.end()) axes.push_back(axis);
     older["axes"] = axes;
-    for (Json& row : older["cases"]) row["options"].erase("zero_weights");
-    const auto loaded = loadResults(fixture::writeText("loads.json", older.dump()));
+    Json& options = older["cases"][0]["options"];
+    for (const std::string& name : later) CHECK(options.erase(name) == 1);
+    const auto loaded = loadResults(fixture::writeText("older.json", older.dump()));
     REQUIRE(loaded);
     CHECK((*loaded)["cases"][0]["options"]["zero_weights"] == "load");
-    CHECK((*loaded)["axes"].size() == axes.size() + 1);
+    CHECK((*loaded)["cases"][0]["options"]["vertex_writes"] == "last");
+    CHECK((*loaded)["axes"].size() == axes.size() + 2);
 }
 
 TEST_CASE("what is no result file is told with its path") {
