@@ -341,7 +341,7 @@ def main():
         check(browser.value("document.querySelectorAll('#views path.line').length") == 2, "each variant has a line")
         crossing = browser.value("document.querySelector('#views .wide tbody').innerText")
         check(crossing.split() == "compute vertex 2.33 2.33 to 2.34".split(), f"the crossing is named: {crossing}")
-        check("no-fragments, 4 views" in browser.value("document.querySelector('.findings').innerText"),
+        check("4 influences, 4 views" in browser.value("document.querySelector('.findings').innerText"),
               "numbers of views are different work")
 
         other = results(software=True)
