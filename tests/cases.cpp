@@ -23,7 +23,7 @@ const std::vector<AxisWords>& together() {
         {{"cull", {"compact", "primitive", "torabi"}},
          {"exchange", {"shared", "shuffle"}},
          {"scenario", {"direct", "prepass"}}},
-        {{"cull", {"compact"}}, {"vertex_writes", {"first", "last"}}, {"loads", {"guarded", "clamped"}}},
+        {{"cull", {"compact"}}, {"vertex_writes", {"first", "last"}}},
         {{"cluster_cull", {"list"}}, {"cluster_bounds", {"one-sphere", "joint-boxes", "instance"}}},
         {{"cluster_cull", {"task"}}, {"cluster_bounds", {"instance"}}, {"palette", {"uniform"}}},
         {{"cluster_cull", {"task"}}, {"cluster_tests", {"none", "cone"}}},

@@ -219,13 +219,23 @@ TEST_CASE("the values of the result file") {
     CHECK(mesh["meshlets"] == 12);
     CHECK(mesh["memory_bytes"]["total"] == 1024);
     CHECK(mesh["accuracy"]["max_position_error"] == 1.5e-7);
-    const nlohmann::json options = {
-        {"meshlet_limits", "64/124"}, {"influences", "4"},        {"submission", "per-copy"},
-        {"back_faces", "culled"},     {"meshlet_vertices", "64"}, {"meshlet_triangles", "124"},
-        {"group_size", "32"},         {"joints", "vertex"},       {"loads", "guarded"},
-        {"records", "indexed"},       {"palette", "storage"},     {"method", "lbs"},
-        {"palette_rows", "f32"},      {"zero_weights", "skip"},   {"arithmetic", "all"},
-        {"cluster_cull", "off"}};
+    const nlohmann::json options = {{"meshlet_limits", "64/124"},
+                                    {"influences", "4"},
+                                    {"submission", "per-copy"},
+                                    {"back_faces", "culled"},
+                                    {"meshlet_vertices", "64"},
+                                    {"meshlet_triangles", "124"},
+                                    {"group_size", "32"},
+                                    {"joints", "vertex"},
+                                    {"loads", "guarded"},
+                                    {"records", "indexed"},
+                                    {"palette", "storage"},
+                                    {"method", "lbs"},
+                                    {"palette_rows", "f32"},
+                                    {"zero_weights", "skip"},
+                                    {"arithmetic", "all"},
+                                    {"cluster_cull", "off"},
+                                    {"views", "1"}};
     CHECK(nlohmann::json(mesh["options"]) == options);
     CHECK(json["cases"][1]["passes_ms"]["skin"] == 0.2);
     CHECK(json["cases"][1]["accuracy"]["image_difference"] == 0.25);
