@@ -12,7 +12,6 @@ namespace skinbench {
 
 namespace {
 
-constexpr std::array<GLfloat, 4> kBackground = {0.13f, 0.15f, 0.18f, 1.0f};
 constexpr uint64_t kSecondsPerFrame = 120;  // a frame that takes longer will never end
 
 using Clock = std::chrono::steady_clock;
@@ -241,12 +240,12 @@ void applyRaster(const Pass& pass) {
 }
 
 // Masks and rasteriser discard hold for clears too.
-void clearTargets(GLuint framebuffer) {
+void clearTargets(GLuint framebuffer, const std::array<float, 4>& background) {
     glDisable(GL_RASTERIZER_DISCARD);
     glDepthMask(GL_TRUE);
     glColorMask(GL_TRUE, GL_TRUE, GL_TRUE, GL_TRUE);
     const GLfloat depth = 1;
-    glClearNamedFramebufferfv(framebuffer, GL_COLOR, 0, kBackground.data());
+    glClearNamedFramebufferfv(framebuffer, GL_COLOR, 0, background.data());
     glClearNamedFramebufferfv(framebuffer, GL_DEPTH, 0, &depth);
 }
 
@@ -308,7 +307,7 @@ void GlBackend::beginPass(const GlPlan& plan, const Pass& pass, bool clear) {
         GLuint framebuffer = targets_.at({plan.shape.width, plan.shape.height}).framebuffer.id();
         glBindFramebuffer(GL_FRAMEBUFFER, framebuffer);
         glViewport(0, 0, static_cast<GLsizei>(plan.shape.width), static_cast<GLsizei>(plan.shape.height));
-        if (clear) clearTargets(framebuffer);
+        if (clear) clearTargets(framebuffer, plan.shape.background);
         applyRaster(pass);
         glBindVertexArray(program.vertexArray.id());
     }

@@ -165,7 +165,7 @@ void VulkanBackend::bindFrame(VkCommandBuffer commands, const Plan& plan, size_t
 }
 
 void VulkanBackend::clearTarget(VkCommandBuffer commands, const Plan& plan) const {
-    beginRendering(commands, *plan.target, VK_ATTACHMENT_LOAD_OP_CLEAR);
+    beginRendering(commands, *plan.target, VK_ATTACHMENT_LOAD_OP_CLEAR, plan.shape.background);
     device_->vk.vkCmdEndRendering(commands);
 }
 
@@ -187,7 +187,7 @@ void VulkanBackend::recordDraws(VkCommandBuffer commands, const Plan& plan, size
                                 VkAttachmentLoadOp load) const {
     const VolkDeviceTable& vk = device_->vk;
     const bool draws = pass.kind != PassKind::dispatch;
-    if (draws) beginRendering(commands, *plan.target, load);
+    if (draws) beginRendering(commands, *plan.target, load, plan.shape.background);
     for (const Draw& draw : pass.draws) {
         if (plan.shape.paletteRange) bindFrame(commands, plan, frame, draw.paletteOffset);
         vk.vkCmdPushConstants(commands, plan.layout, device_->stages, 0, sizeof draw.constants, draw.constants.data());

@@ -222,7 +222,7 @@ Result<std::shared_ptr<Target>> createTarget(Device& device, VkExtent2D size) {
                  VK_IMAGE_LAYOUT_COLOR_ATTACHMENT_OPTIMAL);
     imageBarrier(device, target->depth, VK_IMAGE_ASPECT_DEPTH_BIT, VK_IMAGE_LAYOUT_UNDEFINED,
                  VK_IMAGE_LAYOUT_DEPTH_ATTACHMENT_OPTIMAL);
-    beginRendering(*commands, *target, VK_ATTACHMENT_LOAD_OP_CLEAR);
+    beginRendering(*commands, *target, VK_ATTACHMENT_LOAD_OP_CLEAR, FramePlan{}.background);
     device.vk.vkCmdEndRendering(*commands);
     SKINBENCH_TRY(endCommands(device));
     SKINBENCH_TRY(submitAndWait(device));
@@ -255,13 +255,14 @@ Result<Image> downloadImage(Device& device, const Target& target) {
     return image;
 }
 
-void beginRendering(VkCommandBuffer commands, const Target& target, VkAttachmentLoadOp load) {
+void beginRendering(VkCommandBuffer commands, const Target& target, VkAttachmentLoadOp load,
+                    const std::array<float, 4>& background) {
     VkRenderingAttachmentInfo color{VK_STRUCTURE_TYPE_RENDERING_ATTACHMENT_INFO};
     color.imageView = target.colorView;
     color.imageLayout = VK_IMAGE_LAYOUT_COLOR_ATTACHMENT_OPTIMAL;
     color.loadOp = load;
     color.storeOp = VK_ATTACHMENT_STORE_OP_STORE;
-    color.clearValue.color = {{0.13f, 0.15f, 0.18f, 1.0f}};
+    std::ranges::copy(background, color.clearValue.color.float32);
     VkRenderingAttachmentInfo depth = color;
     depth.imageView = target.depthView;
     depth.imageLayout = VK_IMAGE_LAYOUT_DEPTH_ATTACHMENT_OPTIMAL;

@@ -56,7 +56,8 @@ inline constexpr VkFormat kDepthFormat = VK_FORMAT_D32_SFLOAT;
 Result<std::shared_ptr<Target>> createTarget(Device& device, VkExtent2D size);
 Result<Image> downloadImage(Device& device, const Target& target);
 
-// A rendering scope over the whole target, which keeps the content or clears it first.
-void beginRendering(VkCommandBuffer commands, const Target& target, VkAttachmentLoadOp load);
+// A rendering scope over the whole target, which keeps the content or clears it to the background first.
+void beginRendering(VkCommandBuffer commands, const Target& target, VkAttachmentLoadOp load,
+                    const std::array<float, 4>& background);
 
 }  // namespace skinbench::vulkan

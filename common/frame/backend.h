@@ -204,7 +204,7 @@ struct Pass {
     RasterMode raster = RasterMode::full;
     DepthTest depth = DepthTest::lessWrite;
     bool writeColor = true;
-    bool clear = true;          // colour to the background and depth to 1, before the first timestamp
+    bool clear = true;          // colour to FramePlan::background and depth to 1, before the first timestamp
     bool cullBackFaces = true;  // by the fixed-function rasteriser
     std::vector<Draw> draws;
 };
@@ -217,7 +217,8 @@ struct FramePlan {
     MeshDialect dialect = MeshDialect::none;
     uint32_t width = 1920;
     uint32_t height = 1080;
-    uint64_t paletteBytes = 0;  // of one frame: all copies
+    std::array<float, 4> background{0.13f, 0.15f, 0.18f, 1};  // red, green, blue, alpha
+    uint64_t paletteBytes = 0;                                // of one frame: all copies
     uint32_t paletteRange = 0;  // bytes that a draw sees as uniform block, from Draw::paletteOffset on; 0: the
                                 // palette is a storage block and every draw sees it all
     std::vector<Stream> streams;

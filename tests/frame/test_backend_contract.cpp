@@ -153,6 +153,15 @@ TEST_CASE("backends: an indirect mesh draw starts as many work groups as the dev
         }
 }
 
+TEST_CASE("backends: a plan is cleared to its background") {
+    Subject subject(Needs::images);
+    FramePlan plan = trianglePlan(subject.api());
+    plan.background = {1, 0, 0, 1};
+    for (RunMode mode : drawingModes(subject)) CHECK(lowerHalf(subject.image(plan, {stillFrame()}, mode)) == kRed);
+    plan.background = FramePlan{}.background;
+    CHECK(lowerHalf(subject.image(plan)) == kBackground);
+}
+
 TEST_CASE("backends: every stream is bound at the number of its slot: eight storage blocks, and a uniform one") {
     Subject subject(Needs::images);
     std::string blocks, reads;
