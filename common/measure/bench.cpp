@@ -7,8 +7,6 @@
 #include <format>
 #include <set>
 
-#include "common/core/host_memory.h"
-#include "common/core/parallel.h"
 #include "common/core/stats.h"
 #include "common/frame/image.h"
 #include "common/measure/verify.h"
@@ -19,33 +17,6 @@ namespace {
 
 double milliseconds(std::chrono::steady_clock::time_point since) {
     return std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - since).count();
-}
-
-// Refused like a buffer that does not fit: a host that gives out of memory takes the whole run with it.
-Result<std::unique_ptr<HostSkinning>> makeHostSkinning(const Scene& scene, uint32_t copies) {
-    constexpr uint64_t kVertexBytes =
-        sizeof(Mesh::positions[0]) + sizeof(Mesh::normals[0]) + sizeof(Mesh::uvs[0]) + sizeof(Influences);
-    const uint64_t vertices = scene.mesh.positions.size(), joints = scene.skeleton.joints.size();
-    const uint64_t bytes = copies * (vertices * (kVertexBytes + sizeof(SkinnedVertex)) + joints * sizeof(PaletteEntry));
-    if (const uint64_t free = freeHostMemory(); free && bytes > free)
-        return deviceError(
-            std::format("needs {} MiB of the host's memory for {} copies: {} MiB are free; use fewer copies",
-                        bytes >> 20, copies, free >> 20));
-    auto host = std::make_unique<HostSkinning>();
-    Mesh skinned = scene.mesh;
-    skinned.indices = {};  // skinning reads none
-    host->copies.assign(copies, skinned);
-    host->palettes.resize(copies);
-    host->out.resize(copies * vertices);
-    return host;
-}
-
-double skinFrame(HostSkinning& host, const FrameData& frame) {
-    const auto copies = static_cast<uint32_t>(host.copies.size());
-    for (uint32_t copy = 0; copy < copies; ++copy) host.palettes[copy] = paletteOfCopy(frame, copies, copy);
-    const auto start = std::chrono::steady_clock::now();
-    skinOnCpu({host.copies, host.palettes, host.out}, static_cast<unsigned>(coreCount()));
-    return milliseconds(start);
 }
 
 std::string missingReason(const Runner& runner, const Case& c) {
@@ -77,101 +48,21 @@ bool failOnMessages(CaseResult& result, Backend* backend) {
     return true;
 }
 
-Result<std::vector<FrameData>> frameRange(Workload& workload, const Case& c, uint32_t first, uint32_t count) {
-    std::vector<FrameData> frames;
-    for (uint32_t i = 0; i < count; ++i) {
-        auto frame = makeFrame(workload, c.influences, first + i);
-        SKINBENCH_TRY(frame);
-        frames.push_back(std::move(*frame));
-    }
-    return frames;
-}
-
-std::vector<std::pair<std::string, double>> passTimes(const Prepared& ready, const DrawnFrame& frame) {
-    std::vector<std::pair<std::string, double>> times;
-    if (ready.host) times.emplace_back("skin", frame.skin);
-    if (ready.host && ready.plan) times.emplace_back("upload", frame.timing.upload);
-    for (size_t pass = 0; pass < frame.timing.passes.size(); ++pass) {
-        const auto known = std::ranges::find(times, ready.labels[pass], &std::pair<std::string, double>::first);
-        if (known == times.end())
-            times.emplace_back(ready.labels[pass], frame.timing.passes[pass]);
-        else
-            known->second += frame.timing.passes[pass];
-    }
-    return times;
-}
-
-Result<std::vector<DrawnFrame>> drawFrames(Prepared& ready, std::span<const FrameData> frames, RunMode mode) {
-    // Host skinning happens right before its frame, so such frames are drawn one by one.
-    const size_t batch = ready.host ? 1 : kBatch;
-    std::vector<DrawnFrame> drawn;
-    for (size_t start = 0; start < frames.size(); start += batch) {
-        double skin = 0;
-        std::vector<FrameInput> inputs;
-        std::vector<std::vector<std::byte>> palettes;  // what the inputs see
-        for (const FrameData& frame : frames.subspan(start, std::min(batch, frames.size() - start))) {
-            FrameInput input;
-            input.constants = frame.constants;
-            if (ready.host) {
-                skin = skinFrame(*ready.host, frame);
-                input.skinned = std::as_bytes(std::span(ready.host->out));
-            } else {
-                auto bytes = paletteBytes(ready.input, ready.blocks, frame);
-                SKINBENCH_TRY(bytes);
-                palettes.push_back(std::move(*bytes));
-                input.palette = palettes.back();
-            }
-            inputs.push_back(input);
-        }
-        std::vector<Timing> timings(inputs.size());
-        if (ready.plan) {
-            auto run = ready.backend->run(*ready.plan, inputs, mode);
-            SKINBENCH_TRY(run);
-            timings = std::move(*run);
-        }
-        for (Timing& timing : timings) drawn.push_back({std::move(timing), skin});
-    }
-    return drawn;
-}
-
 Result<Prepared> prepareCase(Runner& runner, CaseResult& result, bool capture) {
     Case c = result.theCase;
     if (capture) c.raster = RasterMode::full;
-    auto skipped = [&](const Error& why) {
-        result.status = CaseStatus::skipped;
-        return std::unexpected(why);
-    };
     result.status = CaseStatus::failed;  // whatever is thrown from here on
-    auto input = planInput(runner.workload, c);
-    if (!input) return skipped(input.error());
-    input->capture = capture;
-    Prepared ready;
-    ready.backend = backendOf(runner, c);
-    auto plan = makePlan(c, *input, ready.backend ? ready.backend->caps() : DeviceCaps{});
-    if (!plan) return skipped(plan.error());
-    plan->label = result.id;
-    if (input->meshlets) result.meshlets = static_cast<uint32_t>(input->meshlets->meshlets.size());
-    result.memory = memoryOfOneCopy(*plan, input->copies);
-    ready.input = *input;
-    ready.blocks = paletteBlocks(c, *input);
-    for (const Pass& pass : plan->passes) ready.labels.push_back(pass.label);
-    if (c.variant->skinsOnHost) {
-        auto host = makeHostSkinning(*input->scene, input->copies);
-        if (!host) return skipped(host.error());
-        ready.host = std::move(*host);
+    auto planned = planCase(runner.workload, c, backendOf(runner, c), capture);
+    if (!planned) {
+        result.status = CaseStatus::skipped;
+        return std::unexpected(planned.error());
     }
-    if (ready.backend) {
-        auto id = ready.backend->prepare(*plan);
-        SKINBENCH_TRY(id);
-        ready.plan = *id;
-    }
-    result.status = CaseStatus::ok;
+    planned->plan.label = result.id;
+    result.meshlets = planned->ready.meshlets;
+    result.memory = planned->ready.memory;
+    auto ready = prepareCase(std::move(*planned));
+    if (ready) result.status = CaseStatus::ok;
     return ready;
-}
-
-void releaseCase(Prepared& ready) {
-    if (ready.plan) ready.backend->release(*ready.plan);
-    ready = {};
 }
 
 namespace {
@@ -221,18 +112,6 @@ Result<void> compareWithFirstImage(Runner& runner, CaseResult& result, Prepared&
     return {};
 }
 
-// The last one is frame 0, whatever the case, so that all images show one pose. Where vertices keep their last
-// position, frame 1 comes first; where some copies are skinned every second frame, each pose is drawn twice.
-Result<std::vector<FrameData>> framesToVerify(Runner& runner, const Case& c) {
-    auto poses = frameRange(runner.workload, c, 0, c.compute.previous ? 2 : 1);
-    if (!poses) return poses;
-    std::vector<FrameData> frames;
-    for (auto pose = poses->rbegin(); pose != poses->rend(); ++pose)
-        frames.insert(frames.end(), c.compute.halfRate ? 2 : 1, *pose);
-    for (size_t i = 0; i < frames.size(); ++i) frames[i].constants.grid.w = static_cast<float>(i);
-    return frames;
-}
-
 // Many cases draw the same vertices in the same pose. A few hundred mebibytes of references stay.
 constexpr size_t kKeptReferences = 8'000'000;  // vertices, of both copies
 
@@ -272,7 +151,7 @@ Result<void> verifyKept(const BenchSettings& settings, const Case& c, const Prep
 }
 
 Result<void> verifyDrawn(Runner& runner, CaseResult& result, Prepared& ready) {
-    auto frames = framesToVerify(runner, result.theCase);
+    auto frames = framesOfPose(runner.workload, result.theCase);
     SKINBENCH_TRY(frames);
     SKINBENCH_TRY(drawFrames(ready, *frames));
     auto captured = capturedVertices(ready);
@@ -430,7 +309,7 @@ Result<Picture> renderPicture(Workload& workload, const Case& c, Backend& backen
     Result<Image> image = backend.readImage(*ready->plan);
     releaseCase(*ready);
     if (!image) return std::unexpected(verified ? image.error() : verified.error());
-    return Picture{std::move(*image), verified ? "" : verified.error().text};
+    return Picture{std::move(*image), verified ? "" : verified.error().text, result.accuracy};
 }
 
 Result<Image> renderImage(Workload& workload, const Case& c, Backend& backend) {

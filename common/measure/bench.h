@@ -119,10 +119,11 @@ struct BenchEvents {
 Result<std::vector<CaseResult>> runBench(Workload& workload, const std::vector<Case>& cases, const Backends& backends,
                                          const BenchSettings& settings, const BenchEvents& events);
 
-// One frame of one case, and what a check like that of a benchmarked one found; empty: it is right.
+// One frame of one case, and what a check like that of a benchmarked one found.
 struct Picture {
     Image image;
-    std::string fault;
+    std::string fault;                 // empty: it is right
+    std::optional<Accuracy> accuracy;  // empty: the fault was found before
 };
 Result<Picture> renderPicture(Workload& workload, const Case& c, Backend& backend);
 

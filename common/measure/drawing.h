@@ -1,0 +1,81 @@
+// A case that is ready to be drawn again and again, and what its frames took.
+#pragma once
+
+#include <exception>
+#include <memory>
+#include <new>
+#include <optional>
+#include <span>
+
+#include "common/cases/workload.h"
+#include "common/frame/backend.h"
+#include "common/plans/plan.h"
+#include "common/scene/skin_cpu.h"
+
+namespace skinbench {
+
+// The copies' own vertices for skinning on the host, and room for the result.
+struct HostSkinning {
+    std::vector<Mesh> copies;
+    std::vector<Palette> palettes;
+    std::vector<SkinnedVertex> out;
+};
+
+// One case that is ready to be drawn again and again.
+struct Prepared {
+    Backend* backend = nullptr;  // null on route cpu
+    std::optional<PlanId> plan;
+    std::vector<std::string> labels;  // of the plan's passes
+    PlanInput input;                  // of the plan
+    std::optional<PaletteBlocks> blocks;
+    std::unique_ptr<HostSkinning> host;
+    uint32_t meshlets = 0;
+    MemoryBytes memory;
+};
+
+// A case before a device takes part.
+struct Planned {
+    FramePlan plan;
+    Prepared ready;
+};
+
+// An error is a reason to skip the case. Null `backend`: route cpu.
+Result<Planned> planCase(Workload& workload, const Case& c, Backend* backend, bool capture);
+
+// Nothing is allocated on the device when it fails.
+Result<Prepared> prepareCase(Planned planned);
+void releaseCase(Prepared& ready);
+
+// What a step of one case throws (the host is out of memory, a library gave up) becomes an error of that case.
+template <class Step>
+auto attempt(const Step& step) -> decltype(step()) {
+    try {
+        return step();
+    } catch (const std::bad_alloc&) {
+        return deviceError("the host is out of memory; use fewer copies or a smaller scene");
+    } catch (const std::exception& error) {
+        return deviceError(std::string("unexpected: ") + error.what());
+    }
+}
+
+Result<std::vector<FrameData>> frameRange(Workload& workload, const Case& c, uint32_t first, uint32_t count);
+
+// Frames whose last one shows the pose of frame 0, whatever the case. Where vertices keep their last position, frame 1
+// comes first; where some copies are skinned every second frame, each pose is drawn twice.
+Result<std::vector<FrameData>> framesOfPose(Workload& workload, const Case& c);
+
+struct DrawnFrame {
+    Timing timing;
+    double skin = 0;  // milliseconds of the host
+};
+
+// Frames that are recorded and submitted together; bounds the memory that their palettes take.
+inline constexpr uint32_t kBatch = 16;
+
+Result<std::vector<DrawnFrame>> drawFrames(Prepared& ready, std::span<const FrameData> frames,
+                                           RunMode mode = RunMode::timed);
+
+// The frame's passes by name, on the host too; passes of one name are one.
+std::vector<std::pair<std::string, double>> passTimes(const Prepared& ready, const DrawnFrame& frame);
+
+}  // namespace skinbench
