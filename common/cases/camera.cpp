@@ -49,7 +49,7 @@ Grid layOut(const Framing& framing) {
 float turnOf(uint32_t view) { return 15.0f * static_cast<float>((view + 1) / 2) * (view % 2 ? 1.0f : -1.0f); }
 
 // A turned view steps back until the grid's near end fits.
-glm::mat4 fromTheFront(const Framing& framing, const Grid& grid, uint32_t view) {
+Look fromTheFront(const Framing& framing, const Grid& grid, uint32_t view) {
     const float aspect = static_cast<float>(framing.width) / static_cast<float>(framing.height);
     const float fieldOfView = glm::radians(20.0f);
     const float turn = glm::radians(turnOf(view)), aside = std::abs(std::sin(turn));
@@ -68,43 +68,83 @@ glm::mat4 fromTheFront(const Framing& framing, const Grid& grid, uint32_t view) 
     const float yaw = glm::radians(framing.yaw) + turn;
     const glm::vec3 eye =
         grid.target + distance * glm::vec3(std::sin(yaw), framing.yaw == 0 ? 0 : 0.12f, std::cos(yaw));
-    return glm::perspectiveRH_ZO(fieldOfView, aspect, distance * 0.2f, distance * 2 + grid.depth * 2) *
-           glm::lookAtRH(eye, grid.target, glm::vec3(0, 1, 0));
+    return {eye, grid.target, fieldOfView, distance * 0.2f, distance * 2 + grid.depth * 2};
 }
 
 // Just before the middle of the grid, whose copies stand in one plane, and nearly along it. The other views look ever
 // more towards the plane, the last one along it the other way.
-glm::mat4 fromInside(const Framing& framing, const Grid& grid, uint32_t view) {
-    const float aspect = static_cast<float>(framing.width) / static_cast<float>(framing.height);
+Look fromInside(const Grid& grid, uint32_t view) {
     const glm::vec3 eye = grid.target + glm::vec3(0, 0, grid.depth);
     constexpr float towards = 0.25f;
     const float turn = view * (glm::pi<float>() - 2 * std::atan(towards)) / (MOST_VIEWS - 1);
     const glm::vec3 along = glm::normalize(
         glm::vec3(std::cos(turn) - towards * std::sin(turn), 0, -std::sin(turn) - towards * std::cos(turn)));
     const float farthest = grid.columns * grid.cellWidth + 4 * grid.depth;
-    return glm::perspectiveRH_ZO(glm::radians(60.0f), aspect, grid.depth * 0.05f, farthest) *
-           glm::lookAtRH(eye, eye + along, glm::vec3(0, 1, 0));
+    return {eye, eye + along, glm::radians(60.0f), grid.depth * 0.05f, farthest};
 }
 
-glm::mat4 viewProjection(const Framing& framing, const Grid& grid, uint32_t view) {
-    glm::mat4 matrix =
-        framing.camera == Camera::inside ? fromInside(framing, grid, view) : fromTheFront(framing, grid, view);
+Look lookOf(const Framing& framing, const Grid& grid, uint32_t view) {
+    return framing.camera == Camera::inside ? fromInside(grid, view) : fromTheFront(framing, grid, view);
+}
+
+glm::mat4 viewProjection(const Framing& framing, const Look& look) {
+    const float aspect = static_cast<float>(framing.width) / static_cast<float>(framing.height);
+    glm::mat4 matrix = glm::perspectiveRH_ZO(look.fieldOfView, aspect, look.nearest, look.farthest) *
+                       glm::lookAtRH(look.eye, look.target, glm::vec3(0, 1, 0));
     for (int column = 0; column < 4; ++column) matrix[column].y = -matrix[column].y;  // y points down
     return matrix;
 }
 
 }  // namespace
 
-FrameConstants frameConstants(const Framing& framing, uint32_t frame) {
+Look lookOf(const Framing& framing) { return lookOf(framing, layOut(framing), 0); }
+
+FrameConstants frameConstants(const Framing& framing, uint32_t frame, const CameraMove& move) {
     const Grid grid = layOut(framing);
+    const auto matrix = [&](uint32_t view) {
+        return viewProjection(framing, movedLook(lookOf(framing, grid, view), move));
+    };
     FrameConstants constants;
-    constants.viewProjection = viewProjection(framing, grid, 0);
-    for (uint32_t view = 1; view < MOST_VIEWS; ++view)
-        constants.otherViews[view - 1] = viewProjection(framing, grid, view);
+    constants.viewProjection = matrix(0);
+    for (uint32_t view = 1; view < MOST_VIEWS; ++view) constants.otherViews[view - 1] = matrix(view);
     const bool together = framing.camera == Camera::close;
     constants.grid = {static_cast<float>(grid.columns), together ? 0 : grid.cellWidth, together ? 0 : grid.cellHeight,
                       static_cast<float>(frame)};
     return constants;
+}
+
+Look movedLook(const Look& usual, const CameraMove& move) {
+    if (move == CameraMove{}) return usual;
+    const glm::vec3 from = usual.eye - usual.target;
+    const float distance = glm::length(from);
+    // Short of the poles, where there is no up.
+    const float height = std::asin(from.y / distance);
+    const float pitch = std::clamp(height + glm::radians(move.pitch), -1.55f, 1.55f);
+    const float turn = std::atan2(from.x, from.z) + glm::radians(move.turn);
+    Look look = usual;
+    look.target = usual.target + move.moved * distance;
+    look.eye = look.target +
+               distance * move.zoom *
+                   glm::vec3(std::cos(pitch) * std::sin(turn), std::sin(pitch), std::cos(pitch) * std::cos(turn));
+    look.farthest = glm::distance(look.eye, usual.target) + usual.farthest;
+    look.nearest = std::min(usual.nearest * std::min(move.zoom, 1.0f), look.farthest / 100);
+    return look;
+}
+
+CameraMove dragged(CameraMove move, const Look& usual, const glm::vec2& drag, bool flying) {
+    const glm::vec3 eye = movedLook(usual, move).eye;
+    move.turn = std::remainder(move.turn - drag.x * 180, 360.0f);
+    move.pitch = std::clamp(move.pitch + drag.y * 120, -89.0f, 89.0f);
+    if (flying) move.moved += (eye - movedLook(usual, move).eye) / glm::distance(usual.eye, usual.target);
+    return move;
+}
+
+CameraMove gone(CameraMove move, const Look& usual, const glm::vec3& by) {
+    const Look look = movedLook(usual, move);
+    const glm::vec3 ahead = glm::normalize(look.target - look.eye);
+    const glm::vec3 right = glm::normalize(glm::cross(ahead, glm::vec3(0, 1, 0)));
+    move.moved += (right * by.x + glm::cross(right, ahead) * by.y + ahead * by.z) * move.zoom;
+    return move;
 }
 
 }  // namespace skinbench

@@ -29,9 +29,34 @@ struct Framing {
                                 // large as the view allows
 };
 
+// Where the eye is and how it looks, in units of the scene.
+struct Look {
+    glm::vec3 eye{0}, target{0};
+    float fieldOfView = 0;  // vertical, radians
+    float nearest = 0, farthest = 0;
+};
+
+// That of Framing::camera; of the main view.
+Look lookOf(const Framing& framing);
+
+// How an eye has moved from where it usually is; as it is made: not at all.
+struct CameraMove {
+    float turn = 0, pitch = 0;  // degrees around the target; positive: to the right, up
+    float zoom = 1;             // distance to the target, over the usual one
+    glm::vec3 moved{0};         // of eye and target, in usual distances
+    bool operator==(const CameraMove&) const = default;
+};
+Look movedLook(const Look& usual, const CameraMove& move);
+
+// Turns by shares of the image's height that a pointer was dragged by: around the target, or, flying, around the eye.
+CameraMove dragged(CameraMove move, const Look& usual, const glm::vec2& drag, bool flying);
+
+// Goes along the view, in usual distances. x: right, y: up, z: ahead.
+CameraMove gone(CameraMove move, const Look& usual, const glm::vec3& by);
+
 // Copies fill a grid of about the image's shape; row 0 of the image is its top. The camera `crowd` has it centred and
 // just inside the view. The other views look at the same grid from other sides, those of `crowd` and `close` with every
 // copy inside. `frame` is the number that FrameConstants carries.
-FrameConstants frameConstants(const Framing& framing, uint32_t frame);
+FrameConstants frameConstants(const Framing& framing, uint32_t frame, const CameraMove& move = {});
 
 }  // namespace skinbench

@@ -11,28 +11,37 @@
 
 namespace skinbench {
 
+static const Clip* clipOf(const Scene& scene, const std::string& name) {
+    if (name.empty()) return scene.clips.empty() ? nullptr : &scene.clips.front();
+    auto clip = std::ranges::find(scene.clips, name, &Clip::name);
+    return clip == scene.clips.end() ? nullptr : &*clip;
+}
+
 Result<Workload> makeWorkload(Scene scene, ShaderLibrary shaders, const WorkloadSettings& settings) {
     Workload workload;
     workload.settings = settings;
     workload.shaders = std::move(shaders);
     workload.stored = std::move(scene);
-    if (!settings.clip.empty() && settings.clip != "none" && !chosenClip(workload)) {
-        std::set<std::string> known;
-        std::string names;
-        for (const Clip& clip : workload.stored.clips)
-            if (known.insert(clip.name).second) names += (names.empty() ? "" : ", ") + clip.name;
-        return inputError(std::format("{}: no clip '{}'; there is {}", workload.stored.name, settings.clip,
-                                      names.empty() ? "none" : names));
-    }
+    SKINBENCH_TRY(chooseClip(workload, settings.clip));
     return workload;
 }
 
-const Clip* chosenClip(const Workload& workload) {
-    const std::vector<Clip>& clips = workload.stored.clips;
-    if (workload.settings.clip.empty()) return clips.empty() ? nullptr : &clips.front();
-    auto clip = std::ranges::find(clips, workload.settings.clip, &Clip::name);
-    return clip == clips.end() ? nullptr : &*clip;
+Result<void> chooseClip(Workload& workload, const std::string& clip) {
+    if (!clip.empty() && clip != "none" && !clipOf(workload.stored, clip)) {
+        std::set<std::string> known;
+        std::string names;
+        for (const Clip& other : workload.stored.clips)
+            if (known.insert(other.name).second) names += (names.empty() ? "" : ", ") + other.name;
+        return inputError(
+            std::format("{}: no clip '{}'; there is {}", workload.stored.name, clip, names.empty() ? "none" : names));
+    }
+    workload.settings.clip = clip;
+    workload.bounds.clear();
+    workload.stretches.reset();
+    return {};
 }
+
+const Clip* chosenClip(const Workload& workload) { return clipOf(workload.stored, workload.settings.clip); }
 
 // When `phase` of the frame that is drawn `frame` frames after the first is posed.
 static float momentOf(const WorkloadSettings& settings, const Clip* clip, uint32_t phase, uint32_t frame) {
@@ -44,6 +53,10 @@ static float momentOf(const WorkloadSettings& settings, const Clip* clip, uint32
 static std::vector<float> drawnMoments(const WorkloadSettings& settings, const Clip* clip) {
     constexpr uint32_t kFrames = 120;
     std::vector<float> moments;
+    if (settings.steady) {
+        for (uint32_t frame = 0; frame < kFrames; ++frame) moments.push_back(static_cast<float>(frame / 60.0));
+        return moments;
+    }
     for (uint32_t frame = 0; frame < (settings.animated ? kFrames : 1); ++frame)
         for (uint32_t phase = 0; phase < std::min(settings.copies, kPhases); ++phase)
             moments.push_back(momentOf(settings, clip, phase, frame));
@@ -58,10 +71,20 @@ Result<const Scene*> sceneFor(Workload& workload, int influences) {
         Result<Scene> scene = prepareScene(workload.stored, options);
         SKINBENCH_TRY(scene);
         kept = std::make_unique<Scene>(std::move(*scene));
-        const Clip* clip = chosenClip(workload);
-        workload.bounds[influences] = clipBounds(*kept, clip, drawnMoments(workload.settings, clip));
     }
     return kept.get();
+}
+
+Result<Framing> framingOf(Workload& workload, int influences) {
+    auto scene = sceneFor(workload, influences);
+    SKINBENCH_TRY(scene);
+    const WorkloadSettings& settings = workload.settings;
+    const Clip* clip = chosenClip(workload);
+    if (!workload.bounds.contains(influences))
+        workload.bounds[influences] = clipBounds(**scene, clip, drawnMoments(settings, clip));
+    return Framing{
+        workload.bounds[influences], settings.copies, settings.width, settings.height, settings.yaw, settings.camera,
+        settings.characterPixels};
 }
 
 static Result<const MeshletMesh*> meshletsFor(Workload& workload, const Case& c, const Scene& scene) {
@@ -170,12 +193,12 @@ Result<PlanInput> planInput(Workload& workload, const Case& c) {
 Result<FrameData> makeFrame(Workload& workload, int influences, uint32_t frame) {
     auto scene = sceneFor(workload, influences);
     SKINBENCH_TRY(scene);
+    const auto framing = framingOf(workload, influences);
+    SKINBENCH_TRY(framing);
     const WorkloadSettings& settings = workload.settings;
     const Clip* clip = chosenClip(workload);
     FrameData data;
-    data.constants = frameConstants({workload.bounds[influences], settings.copies, settings.width, settings.height,
-                                     settings.yaw, settings.camera, settings.characterPixels},
-                                    frame);
+    data.constants = frameConstants(*framing, frame, settings.move);
 
     const uint32_t phases = std::min(settings.copies, kPhases);
     std::vector<Palette> posed(phases);

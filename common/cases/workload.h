@@ -4,6 +4,7 @@
 
 #include <map>
 #include <memory>
+#include <optional>
 #include <tuple>
 
 #include "common/cases/axes.h"
@@ -23,6 +24,8 @@ struct WorkloadSettings {
     float yaw = 0;
     Camera camera = Camera::crowd;
     float characterPixels = 0;  // of Camera::crowd: how tall a character is drawn; 0: so that all are in view
+    bool steady = false;        // the camera is the same at every moment of the clip: `seconds` does not move it
+    CameraMove move;            // of every view, from where it usually is
 };
 
 struct Workload {
@@ -35,7 +38,7 @@ struct Workload {
     std::map<std::string, std::unique_ptr<MeshletMesh>> meshlets;
     std::map<std::string, std::unique_ptr<Records>> records;
     std::map<std::string, std::unique_ptr<EncodedMesh>> encoded;
-    std::map<int, Bounds> bounds;   // of the clip
+    std::map<int, Bounds> bounds;   // of the clip, by influences
     std::optional<bool> stretches;  // whether joints of the clip do; known once a case asks
 };
 
@@ -49,6 +52,12 @@ Result<const Scene*> sceneFor(Workload& workload, int influences);
 Result<PlanInput> planInput(Workload& workload, const Case& c);
 
 const Clip* chosenClip(const Workload& workload);
+
+// Another clip of the scene. Fails as makeWorkload does, and changes nothing then.
+Result<void> chooseClip(Workload& workload, const std::string& clip);
+
+// How the settings place the copies of the scene as it is prepared for so many influences.
+Result<Framing> framingOf(Workload& workload, int influences);
 
 // Copies run through the clip with sixteen different offsets, so that neighbours differ and a wrong copy number shows.
 inline constexpr uint32_t kPhases = 16;
