@@ -59,6 +59,27 @@ ImageDifference compareImages(const Image& a, const Image& b, uint32_t threshold
     return difference;
 }
 
+DifferenceImage differenceImage(const Image& a, const Image& b, uint32_t amplify) {
+    DifferenceImage difference{{std::max(a.width, b.width), std::max(a.height, b.height), {}}};
+    difference.image.rgba.assign(size_t{difference.image.width} * difference.image.height * 4, 0);
+    for (size_t alpha = 3; alpha < difference.image.rgba.size(); alpha += 4) difference.image.rgba[alpha] = 255;
+    if (a.width != b.width || a.height != b.height) {
+        difference.pixels = difference.image.rgba.size() / 4;
+        difference.largest = 255;
+        return difference;
+    }
+    for (size_t pixel = 0; pixel + 3 < a.rgba.size(); pixel += 4) {
+        if (std::memcmp(&a.rgba[pixel], &b.rgba[pixel], 4) == 0) continue;
+        ++difference.pixels;
+        for (size_t c = pixel; c < pixel + 4; ++c) {
+            const auto by = static_cast<uint32_t>(std::abs(int{a.rgba[c]} - int{b.rgba[c]}));
+            difference.largest = std::max(difference.largest, by);
+            if (c < pixel + 3) difference.image.rgba[c] = static_cast<uint8_t>(std::min(255u, by * amplify));
+        }
+    }
+    return difference;
+}
+
 double coveredFraction(const Image& image) {
     size_t covered = 0;
     for (size_t pixel = 4; pixel + 3 < image.rgba.size(); pixel += 4)

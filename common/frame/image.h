@@ -20,6 +20,15 @@ struct ImageDifference {
 };
 ImageDifference compareImages(const Image& a, const Image& b, uint32_t threshold);
 
+// |a - b| in each channel, times `amplify`, opaque; how many pixels differ, and by how much at the most. Images of
+// different size differ in all pixels of the larger one, and the picture is black.
+struct DifferenceImage {
+    Image image;
+    uint64_t pixels = 0;
+    uint32_t largest = 0;
+};
+DifferenceImage differenceImage(const Image& a, const Image& b, uint32_t amplify);
+
 // How much was drawn at all: pixels that differ from the background (the pixel at the top left), as a fraction.
 double coveredFraction(const Image& image);
 
