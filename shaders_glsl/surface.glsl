@@ -57,6 +57,9 @@ vec3 resolutionColor(vec3 unit) {
 
 void main() {
     vec3 n = normalize(READ_NORMAL);
+#if VIEW == VIEW_NORMALS
+    pixel = KEEP_SURFACE(vec4(n * 0.5 + 0.5, 1.0));
+#else
     float key = max(dot(n, normalize(vec3(0.45, 0.65, 0.62))), 0.0);
     float fill = 0.5 + 0.5 * n.y;
     float rim = pow(1.0 - abs(n.z), 3.0);
@@ -69,5 +72,6 @@ void main() {
 #endif
     vec3 light = vec3(1.0, 0.96, 0.90) * key * 0.85 + vec3(0.32, 0.38, 0.48) * fill * 0.55 + vec3(0.10) * rim;
     pixel = KEEP_SURFACE(vec4(sqrt(clamp(base * light, 0.0, 1.0)), 1.0));
+#endif
 }
 #endif

@@ -1,12 +1,12 @@
-// What a task work group hands to the mesh work groups that it starts: the meshlets of its TASK_GROUP that are drawn, in
-// their order. 40 bytes.
+// What a task work group hands to the mesh work groups that it starts: which of its TASK_MESHLETS are drawn, in their
+// order.
 #if MESH_NV
 taskNV PAYLOAD_WAY Payload {
 #else
 struct Payload {
 #endif
-    uint first;                    // the work group's first meshlet, counted as mesh work groups are without a task stage
-    uint places[TASK_GROUP / 4];  // behind it, a byte each
+    uint first;  // the work group's first meshlet, counted as mesh work groups are without a task stage
+    uint places[TASK_MESHLETS / 4];  // behind it, a byte each
 #if MESH_NV
 } payload;
 #else

@@ -31,6 +31,22 @@ vec3 viewColor(Vertex vertex, uint meshlet, bool remainder) {
     label = (((label * 31u + used.x) * 31u + used.y) * 31u + used.z) * 31u + used.w;
 #endif
     return labelColor(label);
+#elif VIEW == VIEW_JOINTS
+    uint joint = vertex.joints0.x;
+    float most = vertex.weights0.x;
+    for (int k = 1; k < 4; ++k)
+        if (vertex.weights0[k] > most) {
+            joint = vertex.joints0[k];
+            most = vertex.weights0[k];
+        }
+#if INFLUENCES == 8
+    for (int k = 0; k < 4; ++k)
+        if (vertex.weights1[k] > most) {
+            joint = vertex.joints1[k];
+            most = vertex.weights1[k];
+        }
+#endif
+    return labelColor(joint);
 #elif VIEW == VIEW_RESOLUTION && defined(POSITION_EXTENT)
     // An axis without extent has one step only.
     return (vertex.position - POSITION_MIN) / max(POSITION_EXTENT, vec3(1e-30));

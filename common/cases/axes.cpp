@@ -440,7 +440,9 @@ void addDraws(std::vector<Axis>& rows) {
                                    {"weights", View::weights, "view-weights"},
                                    {"tuples", View::tuples, "view-tuples"},
                                    {"velocity", View::velocity, "view-velocity"},
-                                   {"resolution", View::resolution, "view-resolution"}},
+                                   {"resolution", View::resolution, "view-resolution"},
+                                   {"normals", View::normals, "view-normals"},
+                                   {"joints", View::joints, "view-joints"}},
                                   [](Case& c) -> View& { return c.view; }));
     rows.back().benched = false;
     rows.back().changesPicture = true;

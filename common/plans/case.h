@@ -36,7 +36,9 @@ enum class View {
     weights = VIEW_WEIGHTS,
     tuples = VIEW_TUPLES,
     velocity = VIEW_VELOCITY,
-    resolution = VIEW_RESOLUTION
+    resolution = VIEW_RESOLUTION,
+    normals = VIEW_NORMALS,
+    joints = VIEW_JOINTS
 };
 
 // Back-face culling in the mesh stage; shaders_glsl/cull.glsl says how each works.
