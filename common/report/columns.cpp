@@ -233,22 +233,11 @@ void addRates(Columns& rows) {
                     .scale = 1e-9,
                     .digits = 3,
                     .page = PageColumn{"triangles", "10⁹/s", "rates", true}});
-    const std::pair<const char*, std::optional<uint64_t> Counters::*> counters[] = {
-        {"input_vertices", &Counters::inputVertices},
-        {"input_primitives", &Counters::inputPrimitives},
-        {"vertex_invocations", &Counters::vertexInvocations},
-        {"clipping_invocations", &Counters::clippingInvocations},
-        {"clipping_primitives", &Counters::clippingPrimitives},
-        {"fragment_invocations", &Counters::fragmentInvocations},
-        {"compute_invocations", &Counters::computeInvocations},
-        {"task_invocations", &Counters::taskInvocations},
-        {"mesh_invocations", &Counters::meshInvocations},
-        {"mesh_primitives", &Counters::meshPrimitives}};
-    for (const auto& [key, counter] : counters) {
+    for (const auto& [key, counter] : counterFields()) {
         std::string header = key;
         std::ranges::replace(header, '_', ' ');
         rows.push_back({.path = std::string("counters.") + key,
-                        .value = resultOf([counter](const auto& r) { return (*r.counters).*counter; }),
+                        .value = resultOf([counter = counter](const auto& r) { return (*r.counters).*counter; }),
                         .page = PageColumn{.header = header, .group = "counters"}});
     }
 }
@@ -437,6 +426,20 @@ Json columnsJson() {
                             {"group", column.page->group},
                             {"marked", column.page->marked}});
     return rows;
+}
+
+const std::vector<CounterField>& counterFields() {
+    static const std::vector<CounterField> fields = {{"input_vertices", &Counters::inputVertices},
+                                                     {"input_primitives", &Counters::inputPrimitives},
+                                                     {"vertex_invocations", &Counters::vertexInvocations},
+                                                     {"clipping_invocations", &Counters::clippingInvocations},
+                                                     {"clipping_primitives", &Counters::clippingPrimitives},
+                                                     {"fragment_invocations", &Counters::fragmentInvocations},
+                                                     {"compute_invocations", &Counters::computeInvocations},
+                                                     {"task_invocations", &Counters::taskInvocations},
+                                                     {"mesh_invocations", &Counters::meshInvocations},
+                                                     {"mesh_primitives", &Counters::meshPrimitives}};
+    return fields;
 }
 
 }  // namespace skinbench

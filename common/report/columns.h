@@ -75,4 +75,11 @@ std::string cellText(const Column& column, const nlohmann::ordered_json& row);
 // What the page reads of the rows that it shows.
 nlohmann::ordered_json columnsJson();
 
+// The counters of one frame by their keys in result files.
+struct CounterField {
+    const char* key;
+    std::optional<uint64_t> Counters::*value;
+};
+const std::vector<CounterField>& counterFields();
+
 }  // namespace skinbench
