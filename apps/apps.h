@@ -17,8 +17,9 @@ namespace skinbench {
 
 inline constexpr int kExitDone = 0, kExitFailed = 1, kExitBadInput = 2;
 
-// One line on standard error each, whatever is in the text: "skinbench: <text>". reportError gives the exit status of
-// the fault.
+// One line on standard error each, whatever is in the text: "skinbench: <text>", or with the name that was given.
+// reportError gives the exit status of the fault.
+void nameProgram(const std::string& name);
 void say(const std::string& text);
 void warn(const std::string& text);
 int reportError(const Error& error);
@@ -198,10 +199,15 @@ Result<nlohmann::ordered_json> measureChoices(const std::string& scene, const st
                                               const Choice& choice);
 std::string measuredText(const nlohmann::ordered_json& measured);
 
+// What a view needs of a case beyond what the route needs.
+Result<void> checkView(const Case& c);
+
+inline constexpr float kUsualYaw = 25;  // degrees that a single character is turned by in pictures
+
 struct RenderOptions {
     Selectors selectors;
     std::string route = "auto", view, out;  // view: empty is the case's own
-    float yaw = 25;                         // degrees that a single character is turned by
+    float yaw = kUsualYaw;
 };
 int runRender(const RenderOptions& options);
 

@@ -10,19 +10,6 @@ namespace {
 
 constexpr size_t kMostPictures = 8;
 
-// What a view needs of a case beyond what the route needs.
-Result<void> checkView(const Case& c) {
-    if (c.view == View::meshlets && !c.builder)
-        return inputError(std::string("view meshlets needs a mesh route, not ") + c.route->name);
-    if (c.view == View::velocity && !c.compute.previous)
-        return inputError("view velocity needs --variant compute --compute previous");
-    if (c.view == View::velocity) return {};
-    if (c.view != View::shaded && !c.builder && !c.variant->fetches)
-        return inputError(std::string("view ") + findAxis("view")->get(c) +
-                          " needs a variant that reads the codec's vertices " + "where it draws: vertex or mesh");
-    return {};
-}
-
 // Those that the words cross, in the order of ids. The device of route auto stays with the options.
 Result<std::vector<Case>> chosenCases(RenderOptions& options) {
     Case scratch;
@@ -80,6 +67,7 @@ Result<Image> render(RenderOptions options) {
     for (const Case& c : *cases) needed.push_back(c.route);
 
     settings->yaw = settings->copies == 1 ? options.yaw : 0;
+    settings->steady = true;
     auto devices = openDevices(needed, options.selectors.device, options.selectors.validation);
     SKINBENCH_TRY(devices);
     auto workload = openWorkload(options.selectors.scene, *settings);

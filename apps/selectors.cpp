@@ -206,4 +206,16 @@ std::string viewWarning(const Workload& workload, const InView& seen) {
         workload.stored.name, (1 - seen.vertices) * 100);
 }
 
+Result<void> checkView(const Case& c) {
+    if (c.view == View::meshlets && !c.builder)
+        return inputError(std::string("view meshlets needs a mesh route, not ") + c.route->name);
+    if (c.view == View::velocity && !c.compute.previous)
+        return inputError("view velocity needs --variant compute --compute previous");
+    if (c.view == View::shaded || c.view == View::normals || c.view == View::velocity) return {};
+    if (c.variant->readsSkinned || (!c.builder && !c.variant->fetches))
+        return inputError(std::string("view ") + findAxis("view")->get(c) +
+                          " needs a variant that reads the codec's vertices where it draws: vertex or mesh");
+    return {};
+}
+
 }  // namespace skinbench

@@ -1,81 +1,14 @@
 // The program `skinbench`: the words of the command line. What a subcommand does stands in its cmd_*.cpp.
-#include <CLI/CLI.hpp>
-
-#include <fcntl.h>
-#include <sys/ioctl.h>
-#include <unistd.h>
-
 #include <algorithm>
-#include <cmath>
-#include <csignal>
-#include <iostream>
-#include <new>
 
+#include "apps/command_line.h"
 #include "apps/selectors.h"
-#include "common/core/text.h"
 #include "common/core/version.h"
 #include "common/meshlets/partition.h"
 
 namespace skinbench {
 
-void say(const std::string& text) {
-    std::cerr << terminalText("skinbench: " + text, kLongestMessage) + "\n" << std::flush;
-}
-
-void warn(const std::string& text) { say("warning: " + text); }
-
-int reportError(const Error& error) {
-    say(error.text);
-    return error.fault == Fault::input ? kExitBadInput : kExitFailed;
-}
-
-int flushOutput() {
-    std::cout.flush();
-    if (std::cout) return kExitDone;
-    return reportError({Fault::device, "standard output cannot be written"});
-}
-
-size_t terminalWidth() {
-    winsize size{};
-    return isatty(STDOUT_FILENO) && ioctl(STDOUT_FILENO, TIOCGWINSZ, &size) == 0 ? size.ws_col : 0;
-}
-
 namespace {
-
-// A finite number of the kind; CLI::Range lets NaN through.
-template <class Number>
-CLI::Validator numberFrom(Number least, Number most) {
-    return CLI::Validator(
-        [least, most](std::string& text) {
-            Number value{};
-            const bool right = CLI::detail::lexical_cast(text, value) && value >= least && value <= most;
-            return right
-                       ? ""
-                       : std::format("'{}' is not a number from {:.10g} to {:.10g}", text, double(least), double(most));
-        },
-        "");
-}
-
-CLI::Validator atLeastZero(bool above = false) {
-    return CLI::Validator(
-        [above](std::string& text) {
-            double value = 0;
-            const bool number = CLI::detail::lexical_cast(text, value) && std::isfinite(value);
-            const bool right = number && (above ? value > 0 : value >= 0);
-            return right ? "" : std::format("'{}' is not a number {}", text, above ? "above 0" : "of at least 0");
-        },
-        "");
-}
-
-CLI::Validator oneOf(const std::vector<std::string>& words) {
-    return CLI::Validator(
-        [words](std::string& text) {
-            std::string there;
-            for (const std::string& word : words) there += (there.empty() ? "" : ", ") + word;
-            return std::ranges::contains(words, text) ? "" : std::format("no '{}'; there is {}", text, there);
-        },
-        "");
-}
 
 // "--palette-buffer,--palette"
 std::string spellings(const Axis& axis) {
@@ -247,9 +180,6 @@ void addRender(CLI::App& program, int& status) {
         program.add_subcommand("render", "draw one variant to a PNG file, or several side by side: --method lbs,dqs");
     Selectors& s = options->selectors;
     command->add_option("scene", s.scene, "a .gltf or .glb file, or builtin:NAME[:VERTICES]")->required();
-    command->add_option("--route", options->route, helpOf(*findAxis("route")))->capture_default_str();
-    addPictureAxes(*command, s.words);
-    addKeepBackFaces(*command, s.words);
     command->add_option("--case", s.caseIds, "exactly this case: an id of a table, a result file or a report")
         ->expected(1);
     command->add_option("--view", options->view, wordsOf(*findAxis("view")) + " (default: shaded)");
@@ -379,62 +309,11 @@ void addReproduce(CLI::App& program, int& status) {
     command->callback([options, &status] { status = runReproduce(*options); });
 }
 
-// As a shell takes it; the program by its name alone.
+// The program by its name alone.
 std::string commandLine(int argc, char** argv) {
-    constexpr std::string_view kPlain = "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789_-+=./:,@%^";
     std::string text = "skinbench";
-    for (int i = 1; i < argc; ++i) {
-        const std::string word = argv[i];
-        const bool plain = !word.empty() && word.find_first_not_of(kPlain) == std::string::npos;
-        std::string quoted;
-        for (const char c : word) quoted += c == '\'' ? std::string("'\\''") : std::string(1, c);
-        text += " " + (plain ? word : "'" + quoted + "'");
-    }
+    for (int i = 1; i < argc; ++i) text += " " + shellWord(argv[i]);
     return text;
-}
-
-// The subcommand that the words led to.
-const CLI::App& innermost(const CLI::App& program) {
-    const auto inner = program.get_subcommands();
-    return inner.empty() ? program : innermost(*inner.front());
-}
-
-std::string callOf(const CLI::App& command) {
-    return (command.get_parent() ? callOf(*command.get_parent()) + " " : "") + command.get_name();
-}
-
-// The text of a word that the command does not know.
-std::string unknownText(const CLI::App& command, const std::string& word) {
-    const bool option = word.starts_with("-");
-    std::vector<std::string> words;
-    for (const CLI::Option* known : command.get_options())
-        for (const std::string& name : known->get_lnames()) words.push_back("--" + name);
-    if (!option) {
-        words.clear();
-        for (const CLI::App* inner : command.get_subcommands({})) words.push_back(inner->get_name());
-        if (words.empty()) return std::format("'{}' is one word too many", word);
-    }
-    const std::string nearest = nearestWord(word.substr(0, word.find('=')), words);
-    std::string there;
-    if (!option)
-        for (const std::string& other : words) there += (there.empty() ? "; there is " : ", ") + other;
-    return std::format("no {} {}{}", option ? "option" : "subcommand", option ? word : "'" + word + "'",
-                       nearest.empty() ? there : "; did you mean " + nearest + "?");
-}
-
-std::string usageText(const CLI::App& program, const CLI::ParseError& error) {
-    const CLI::App& command = innermost(program);
-    const std::vector<std::string> unknown = program.remaining(true);
-    std::string text = error.what();
-    // An unknown subcommand leaves its word over and is otherwise reported as a missing one.
-    const bool extra = error.get_exit_code() == static_cast<int>(CLI::ExitCodes::ExtrasError) ||
-                       error.get_exit_code() == static_cast<int>(CLI::ExitCodes::RequiredError);
-    if (extra && !unknown.empty())
-        text = unknownText(command, unknown.front());
-    else if (error.get_exit_code() == static_cast<int>(CLI::ExitCodes::ArgumentMismatch))
-        text = text.substr(0, text.find(':')) + " needs a value";
-    std::ranges::replace(text, '\n', ' ');
-    return text + (text.ends_with("?") ? " See " : "; see ") + callOf(command) + " --help";
 }
 
 int runProgram(int argc, char** argv) {
@@ -456,38 +335,11 @@ int runProgram(int argc, char** argv) {
     program.footer(
         "Exit status: 0 done, 1 something that was asked for failed or was interrupted before a case was done, "
         "2 bad arguments or input.");
-    try {
-        program.parse(argc, argv);
-    } catch (const CLI::ParseError& error) {
-        if (error.get_exit_code() == 0) {
-            program.exit(error);
-            return flushOutput();
-        }
-        return reportError({Fault::input, usageText(program, error)});
-    }
+    if (const auto ended = parseWords(program, argc, argv)) return *ended;
     return status == kExitDone ? flushOutput() : status;
-}
-
-// A driver would be given the number of a standard stream that is closed, and what is printed would land in its memory.
-// What is opened for reading alone refuses what is written to it.
-void openStandardStreams() {
-    for (int stream : {STDIN_FILENO, STDOUT_FILENO, STDERR_FILENO})
-        if (fcntl(stream, F_GETFD) < 0) open("/dev/null", O_RDONLY);
 }
 
 }  // namespace
 }  // namespace skinbench
 
-int main(int argc, char** argv) {
-    skinbench::openStandardStreams();
-    skinbench::catchCrashes();
-    // A write past the limit of a file's size fails like any other.
-    signal(SIGXFSZ, SIG_IGN);
-    try {
-        return skinbench::runProgram(argc, argv);
-    } catch (const std::bad_alloc&) {
-        return skinbench::reportError({skinbench::Fault::device, "out of memory; use fewer copies or a smaller scene"});
-    } catch (const std::exception& error) {
-        return skinbench::reportError({skinbench::Fault::device, std::string("unexpected: ") + error.what()});
-    }
-}
+int main(int argc, char** argv) { return skinbench::guarded(skinbench::runProgram, argc, argv); }

@@ -1,0 +1,100 @@
+#include "apps/command_line.h"
+
+#include <fcntl.h>
+#include <unistd.h>
+
+#include <csignal>
+#include <new>
+
+#include "apps/selectors.h"
+
+namespace skinbench {
+namespace {
+
+// The subcommand that the words led to.
+const CLI::App& innermost(const CLI::App& program) {
+    const auto inner = program.get_subcommands();
+    return inner.empty() ? program : innermost(*inner.front());
+}
+
+std::string callOf(const CLI::App& command) {
+    return (command.get_parent() ? callOf(*command.get_parent()) + " " : "") + command.get_name();
+}
+
+// The text of a word that the command does not know.
+std::string unknownText(const CLI::App& command, const std::string& word) {
+    const bool option = word.starts_with("-");
+    std::vector<std::string> words;
+    for (const CLI::Option* known : command.get_options())
+        for (const std::string& name : known->get_lnames()) words.push_back("--" + name);
+    if (!option) {
+        words.clear();
+        for (const CLI::App* inner : command.get_subcommands({})) words.push_back(inner->get_name());
+        if (words.empty()) return std::format("'{}' is one word too many", word);
+    }
+    const std::string nearest = nearestWord(word.substr(0, word.find('=')), words);
+    std::string there;
+    if (!option)
+        for (const std::string& other : words) there += (there.empty() ? "; there is " : ", ") + other;
+    return std::format("no {} {}{}", option ? "option" : "subcommand", option ? word : "'" + word + "'",
+                       nearest.empty() ? there : "; did you mean " + nearest + "?");
+}
+
+std::string usageText(const CLI::App& program, const CLI::ParseError& error) {
+    const CLI::App& command = innermost(program);
+    const std::vector<std::string> unknown = program.remaining(true);
+    std::string text = error.what();
+    // An unknown subcommand leaves its word over and is otherwise reported as a missing one.
+    const bool extra = error.get_exit_code() == static_cast<int>(CLI::ExitCodes::ExtrasError) ||
+                       error.get_exit_code() == static_cast<int>(CLI::ExitCodes::RequiredError);
+    if (extra && !unknown.empty())
+        text = unknownText(command, unknown.front());
+    else if (error.get_exit_code() == static_cast<int>(CLI::ExitCodes::ArgumentMismatch))
+        text = text.substr(0, text.find(':')) + " needs a value";
+    std::ranges::replace(text, '\n', ' ');
+    return text + (text.ends_with("?") ? " See " : "; see ") + callOf(command) + " --help";
+}
+
+// A driver would be given the number of a standard stream that is closed, and what is printed would land in its memory.
+// What is opened for reading alone refuses what is written to it.
+void openStandardStreams() {
+    for (int stream : {STDIN_FILENO, STDOUT_FILENO, STDERR_FILENO})
+        if (fcntl(stream, F_GETFD) < 0) open("/dev/null", O_RDONLY);
+}
+
+}  // namespace
+
+std::optional<int> parseWords(CLI::App& program, int argc, char** argv) {
+    try {
+        program.parse(argc, argv);
+    } catch (const CLI::ParseError& error) {
+        if (error.get_exit_code() != 0) return reportError({Fault::input, usageText(program, error)});
+        program.exit(error);
+        return flushOutput();
+    }
+    return std::nullopt;
+}
+
+std::string shellWord(const std::string& word) {
+    constexpr std::string_view kPlain = "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789_-+=./:,@%^";
+    if (!word.empty() && word.find_first_not_of(kPlain) == std::string::npos) return word;
+    std::string quoted;
+    for (const char c : word) quoted += c == '\'' ? std::string("'\\''") : std::string(1, c);
+    return "'" + quoted + "'";
+}
+
+int guarded(int (*program)(int argc, char** argv), int argc, char** argv) {
+    openStandardStreams();
+    catchCrashes();
+    // A write past the limit of a file's size fails like any other.
+    signal(SIGXFSZ, SIG_IGN);
+    try {
+        return program(argc, argv);
+    } catch (const std::bad_alloc&) {
+        return reportError({Fault::device, "out of memory; use fewer copies or a smaller scene"});
+    } catch (const std::exception& error) {
+        return reportError({Fault::device, std::string("unexpected: ") + error.what()});
+    }
+}
+
+}  // namespace skinbench
