@@ -37,12 +37,13 @@ struct Running {
 };
 
 // Starts the program in the temporary folder. `environment` holds NAME=VALUE words that replace inherited ones.
-inline Running start(const Words& words, const Words& environment = {}, const std::string& out = "") {
+inline Running start(const Words& words, const Words& environment = {}, const std::string& out = "",
+                     const char* path = SKINBENCH_PROGRAM) {
     static int number = 0;
     ++number;
     Running running{0, out.empty() ? pathOf("out." + std::to_string(number)) : out,
                     pathOf("err." + std::to_string(number))};
-    std::vector<std::string> arguments = {SKINBENCH_PROGRAM};
+    std::vector<std::string> arguments = {path};
     arguments.insert(arguments.end(), words.begin(), words.end());
     std::vector<std::string> variables = environment;
     for (char** variable = environ; *variable; ++variable) {
@@ -63,7 +64,7 @@ inline Running start(const Words& words, const Words& environment = {}, const st
     posix_spawn_file_actions_addopen(&actions, 1, running.outFile.c_str(), flags, 0600);
     posix_spawn_file_actions_addopen(&actions, 2, running.errFile.c_str(), flags, 0600);
     posix_spawn_file_actions_addchdir_np(&actions, fixture::temporaryFolder().c_str());
-    const int failed = posix_spawn(&running.pid, SKINBENCH_PROGRAM, &actions, nullptr, pointers(arguments).data(),
+    const int failed = posix_spawn(&running.pid, path, &actions, nullptr, pointers(arguments).data(),
                                    pointers(variables).data());
     posix_spawn_file_actions_destroy(&actions);
     REQUIRE(failed == 0);

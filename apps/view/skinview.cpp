@@ -1,0 +1,157 @@
+// The program `skinview`: the words of its command line, its settings file, its loop.
+#include <algorithm>
+#include <cstdlib>
+#include <filesystem>
+#include <iostream>
+
+#include "apps/command_line.h"
+#include "apps/view/view.h"
+#include "common/core/file.h"
+#include "common/core/version.h"
+#include "common/frame/image.h"
+
+namespace skinbench::view {
+namespace {
+
+struct Words {
+    std::string scene, caseId, case2Id, size, settings, screenshot, mode, device, clip;
+    double seconds = -1;
+    uint32_t frames = 0, copies = 0;
+    bool validation = false;
+};
+
+// Where settings are kept when no file is named; empty where there is no home.
+std::string usualSettings() {
+    const char* config = std::getenv("XDG_CONFIG_HOME");
+    const char* home = std::getenv("HOME");
+    if (config && *config) return std::string(config) + "/skinbench/view.json";
+    return home && *home ? std::string(home) + "/.config/skinbench/view.json" : "";
+}
+
+// The settings of the file with the words on top. A run of a number of frames depends on nothing but its words.
+Result<ViewState> stateOf(const Words& words) {
+    ViewState state;
+    const bool named = !words.settings.empty();
+    const std::string path = named ? words.settings : words.frames ? "" : usualSettings();
+    if (!path.empty() && (named || std::filesystem::exists(path))) {
+        auto text = readWholeFile(path);
+        auto read = text ? readSettings(state, *text) : std::unexpected(text.error());
+        if (!read && named) return text ? errorAt(path, read.error()) : std::unexpected(text.error());
+        if (!read) warn(path + ": " + read.error().text + "; the usual settings are taken");
+        if (read) state = *read;
+    }
+    if (!words.scene.empty()) {
+        if (words.scene != state.scene) state.clip.clear();
+        state.scene = words.scene;
+        state.camera = {};
+    }
+    for (const auto& [id, pane] : {std::pair(words.caseId, 0), std::pair(words.case2Id, 1)}) {
+        if (id.empty()) continue;
+        auto parsed = parseCaseId(id);
+        SKINBENCH_TRY(parsed);
+        state.cases[static_cast<size_t>(pane)] = *parsed;
+    }
+    // A is named and B is not: B is the same on the other API.
+    if (!words.caseId.empty() && words.case2Id.empty()) state.cases[1] = {};
+    if (!words.size.empty()) {
+        auto size = parseSize(words.size);
+        SKINBENCH_TRY(size);
+        state.width = size->first;
+        state.height = size->second;
+    }
+    if (!words.mode.empty())
+        state.mode = static_cast<Mode>(std::ranges::find(modeNames(), words.mode) - modeNames().begin());
+    if (!words.clip.empty()) state.clip = words.clip;
+    if (words.seconds >= 0) state.seconds = words.seconds;
+    if (words.copies) state.copies = words.copies;
+    return state;
+}
+
+// One line for what ends the program or spoils a run that nobody watches.
+std::optional<int> fault(const Viewer& view, bool watched) {
+    if (!view.shown) return std::nullopt;
+    if (view.shown->scene.empty() && !view.shown->error.empty())
+        return reportError({view.shown->fault, view.shown->error});
+    if (!watched)
+        for (const Drawn& picture : view.shown->pictures)
+            if (!picture.error.empty()) return reportError({Fault::device, picture.id + ": " + picture.error});
+    return std::nullopt;
+}
+
+int keepSettings(const Viewer& view, const Words& words) {
+    if (words.frames && words.settings.empty()) return kExitDone;
+    const std::string path = words.settings.empty() ? usualSettings() : words.settings;
+    if (path.empty()) return kExitDone;
+    const auto written = writeWholeFile(path, settingsText(view.state));
+    return written ? kExitDone : reportError(written.error());
+}
+
+int run(const Words& words) {
+    auto state = stateOf(words);
+    if (!state) return reportError(state.error());
+    if (!words.screenshot.empty())
+        for (const auto& right :
+             {checkSuffix(words.screenshot, ".png"), checkOutput(words.screenshot, {&words.scene, 1})})
+            if (!right) return reportError(right.error());
+    catchInterrupts();
+    const bool watched = words.frames == 0;
+    auto view = openView({*state, {words.device, words.validation}, !watched, {}});
+    if (!view) return reportError(view.error());
+    const auto start = std::chrono::steady_clock::now();
+    Image last;
+    uint32_t drawn = 0;
+    while (!interrupted() && (watched || drawn < words.frames)) {
+        const bool isLast = drawn + 1 == words.frames;
+        if (!drawFrame(**view, isLast && !words.screenshot.empty() ? &last : nullptr)) break;
+        ++drawn;
+        if (const auto ended = fault(**view, watched)) return *ended;
+    }
+    const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+    if (!watched)
+        std::cout << std::format("{} frames of {} x {} in {:.2f} s, {:.1f} a second\n", drawn, (*view)->size.x,
+                                 (*view)->size.y, seconds, drawn / seconds);
+    if (last.width)
+        if (const auto saved = savePng(last, words.screenshot); !saved) return reportError(saved.error());
+    for (const std::string& message : (*view)->messages) say(message);
+    if (!(*view)->messages.empty()) return kExitFailed;
+    const int kept = keepSettings(**view, words);
+    return kept ? kept : flushOutput();
+}
+
+int runProgram(int argc, char** argv) {
+    nameProgram("skinview");
+    CLI::App program{
+        "Shows two cases of skinbench side by side: one camera, one clock, any routes, variants and codecs.",
+        "skinview"};
+    program.set_version_flag("--version", std::string(SKINBENCH_VERSION) + " (" + SKINBENCH_REVISION + ")");
+    Words words;
+    program.add_option("scene", words.scene,
+                       "a .gltf or .glb file, or builtin:NAME[:VERTICES] (default: builtin:biped)");
+    program.add_option("--case", words.caseId, "case A: an id of a table, a result file or a report")->expected(1);
+    program.add_option("--case2", words.case2Id, "case B (default: as A, on the other API)")->expected(1);
+    program.add_option("--size", words.size, "WIDTHxHEIGHT of the window (default: 1280x720)");
+    program.add_option("--mode", words.mode, "panes, wipe, one, difference")->check(oneOf(modeNames()));
+    program.add_option("--copies", words.copies, "how many (default: 1)")->check(numberFrom(1u, 1'000'000u));
+    program.add_option("--clip", words.clip, "name of the animation, or none (default: the first)");
+    program.add_option("--time", words.seconds, "seconds into the animation")->check(numberFrom(0.0, 1e6));
+    program.add_option("--settings", words.settings,
+                       "JSON file that is read, and written at the end, instead of "
+                       "skinbench/view.json in the folder of your settings");
+    program
+        .add_option("--frames", words.frames,
+                    "draw that many frames, a sixtieth of a second apart, print how long they took, and end")
+        ->check(numberFrom(1u, 1'000'000u));
+    program
+        .add_option("--screenshot", words.screenshot,
+                    "PNG file of the window's last frame; without --frames of its first")
+        ->each([&](const std::string&) { words.frames = words.frames ? words.frames : 1; });
+    program.add_option("--device", words.device, "number, part of the name, UUID or PCI address, as probe shows them");
+    program.add_flag("--validation", words.validation, "validation layers and debug output; a message is a failure");
+    if (const auto ended = parseWords(program, argc, argv)) return *ended;
+    return run(words);
+}
+
+}  // namespace
+}  // namespace skinbench::view
+
+int main(int argc, char** argv) { return skinbench::guarded(skinbench::view::runProgram, argc, argv); }
