@@ -208,6 +208,8 @@ struct RenderOptions {
     Selectors selectors;
     std::string route = "auto", view, out;  // view: empty is the case's own
     float yaw = kUsualYaw;
+    uint32_t animate = 0;     // frames over the clip; 0: one picture
+    bool difference = false;  // of two cases, beside them
 };
 int runRender(const RenderOptions& options);
 

@@ -3,10 +3,12 @@
 #include <fcntl.h>
 #include <unistd.h>
 
+#include <cctype>
 #include <csignal>
 #include <new>
 
 #include "apps/selectors.h"
+#include "common/core/text.h"
 
 namespace skinbench {
 namespace {
@@ -19,6 +21,60 @@ const CLI::App& innermost(const CLI::App& program) {
 
 std::string callOf(const CLI::App& command) {
     return (command.get_parent() ? callOf(*command.get_parent()) + " " : "") + command.get_name();
+}
+
+constexpr size_t kPageWidth = 100, kIndent = 4;
+
+std::string paragraph(const std::string& text, size_t indent) {
+    const size_t width = terminalWidth() ? std::clamp<size_t>(terminalWidth(), 40, kPageWidth) : kPageWidth;
+    return std::string(indent, ' ') + wrapText(text, width - indent, indent) + "\n";
+}
+
+std::string upper(std::string text) {
+    for (char& c : text) c = static_cast<char>(std::toupper(static_cast<unsigned char>(c)));
+    return text;
+}
+
+bool isPositional(const CLI::Option& option) { return option.get_lnames().empty() && option.get_snames().empty(); }
+
+std::string optionText(const CLI::Option& option) {
+    std::string names;
+    for (const std::string& name : option.get_snames()) names += (names.empty() ? "-" : ", -") + name;
+    for (const std::string& name : option.get_lnames()) names += (names.empty() ? "--" : ", --") + name;
+    if (isPositional(option)) names = upper(option.get_name());
+    if (!isPositional(option) && option.get_items_expected_max() > 0)
+        names += option.get_delimiter() ? " WORD,..." : " " + option.get_type_name();
+    std::string what = option.get_description();
+    if (!option.get_default_str().empty()) what += " (default: " + option.get_default_str() + ")";
+    if (option.get_required()) what += " (needed)";
+    return paragraph(names, kIndent) + paragraph(what, 2 * kIndent);
+}
+
+std::string synopsisOf(const CLI::App& command) {
+    std::string text = callOf(command) + " [OPTIONS]";
+    for (const CLI::Option* option : command.get_options()) {
+        if (!isPositional(*option)) continue;
+        const std::string name = upper(option->get_name()) + (option->get_items_expected_max() > 1 ? "..." : "");
+        text += option->get_required() ? " " + name : " [" + name + "]";
+    }
+    return text + (command.get_subcommands({}).empty() ? "" : " COMMAND");
+}
+
+std::string manualPage(const CLI::App* command, std::string, CLI::AppFormatMode) {
+    std::string page = "NAME\n" + paragraph(callOf(*command) + " - " + command->get_description(), kIndent);
+    page += "\nSYNOPSIS\n" + paragraph(synopsisOf(*command), kIndent);
+    for (const std::string& group : command->get_groups())
+        for (bool positional : {true, false}) {
+            std::string options;
+            for (const CLI::Option* option : command->get_options())
+                if (option->get_group() == group && isPositional(*option) == positional) options += optionText(*option);
+            if (!options.empty()) page += "\n" + (positional ? "ARGUMENTS" : upper(group)) + "\n" + options;
+        }
+    if (const auto commands = command->get_subcommands({}); !commands.empty()) page += "\nCOMMANDS\n";
+    for (const CLI::App* inner : command->get_subcommands({}))
+        page += paragraph(inner->get_name(), kIndent) + paragraph(inner->get_description(), 2 * kIndent);
+    const std::string footer = command->get_footer();
+    return page + (footer.empty() ? "" : "\n" + footer + "\n");
 }
 
 // The text of a word that the command does not know.
@@ -63,6 +119,11 @@ void openStandardStreams() {
 }
 
 }  // namespace
+
+void writeManual(CLI::App& program) {
+    program.formatter_fn(manualPage);
+    program.get_help_ptr()->description("this page");
+}
 
 std::optional<int> parseWords(CLI::App& program, int argc, char** argv) {
     try {

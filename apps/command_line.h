@@ -47,6 +47,10 @@ inline CLI::Validator oneOf(const std::vector<std::string>& words) {
         "");
 }
 
+// Makes `--help` a page of a manual, of the program and of subcommands that are added later: name, synopsis, a
+// paragraph for each option by its group, commands, and the footer as it is.
+void writeManual(CLI::App& program);
+
 // The exit status where the words end the program: help, version, or one line about what is wrong.
 std::optional<int> parseWords(CLI::App& program, int argc, char** argv);
 

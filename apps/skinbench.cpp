@@ -1,7 +1,9 @@
 // The program `skinbench`: the words of the command line. What a subcommand does stands in its cmd_*.cpp.
 #include <algorithm>
+#include <iostream>
 
 #include "apps/command_line.h"
+#include "apps/completion.h"
 #include "apps/selectors.h"
 #include "common/core/version.h"
 #include "common/meshlets/partition.h"
@@ -29,7 +31,8 @@ void addAxes(CLI::App& command, AxisWords& words) {
         if (axis.benched)
             command.add_option(spellings(axis), words[axis.name], helpOf(axis) + usualOf(axis))
                 ->delimiter(',')
-                ->allow_extra_args(false);
+                ->allow_extra_args(false)
+                ->group("Cases: lists are crossed");
 }
 
 // Axes of a picture, each under its own name; several values are several pictures.
@@ -40,7 +43,8 @@ void addPictureAxes(CLI::App& command, AxisWords& words) {
         std::ranges::replace(option, '_', '-');
         command.add_option("--" + option, words[axis.name], helpOf(axis) + usualOf(axis))
             ->delimiter(',')
-            ->allow_extra_args(false);
+            ->allow_extra_args(false)
+            ->group("Cases: lists are crossed");
     }
 }
 
@@ -180,8 +184,18 @@ void addRender(CLI::App& program, int& status) {
         program.add_subcommand("render", "draw one variant to a PNG file, or several side by side: --method lbs,dqs");
     Selectors& s = options->selectors;
     command->add_option("scene", s.scene, "a .gltf or .glb file, or builtin:NAME[:VERTICES]")->required();
-    command->add_option("--case", s.caseIds, "exactly this case: an id of a table, a result file or a report")
-        ->expected(1);
+    command->add_option("--route", options->route, helpOf(*findAxis("route")))->capture_default_str();
+    addPictureAxes(*command, s.words);
+    addKeepBackFaces(*command, s.words);
+    command
+        ->add_option("--case", s.caseIds,
+                     "exactly this case: an id of a table, a result file or a report; again for the next picture")
+        ->allow_extra_args(false);
+    command->add_flag("--difference", options->difference, "beside two pictures what they differ by, 16 times");
+    command
+        ->add_option("--animate", options->animate,
+                     "that many frames over the clip, into a folder of PNG files or a .webp")
+        ->check(numberFrom(1u, 10'000u));
     command->add_option("--view", options->view, wordsOf(*findAxis("view")) + " (default: shaded)");
     command->add_option("--time", s.seconds, "seconds into the animation")
         ->check(numberFrom(0.0, 1e6))
@@ -196,7 +210,8 @@ void addRender(CLI::App& program, int& status) {
         ->capture_default_str();
     command->add_option("--device", s.device, kDeviceHelp);
     command->add_flag("--validation", s.validation, "validation layers and debug output");
-    command->add_option("-o,--output", options->out, "the PNG file")->required();
+    command->add_option("-o,--output", options->out, "the PNG file; with --animate a folder, or a .webp file")
+        ->required();
     command->callback([options, &status] { status = runRender(*options); });
 }
 
@@ -309,6 +324,17 @@ void addReproduce(CLI::App& program, int& status) {
     command->callback([options, &status] { status = runReproduce(*options); });
 }
 
+void addCompletion(CLI::App& program, int& status) {
+    auto shell = std::make_shared<std::string>();
+    CLI::App* command = program.add_subcommand("completion", "what a shell completes: bash, zsh or fish");
+    command->add_option("shell", *shell, "bash, zsh or fish")->required();
+    command->callback([shell, &program, &status] {
+        const auto script = completionScript(program, *shell);
+        if (script) std::cout << *script;
+        status = script ? kExitDone : reportError(script.error());
+    });
+}
+
 // The program by its name alone.
 std::string commandLine(int argc, char** argv) {
     std::string text = "skinbench";
@@ -316,10 +342,37 @@ std::string commandLine(int argc, char** argv) {
     return text;
 }
 
+constexpr const char* kFooter =
+    "EXIT STATUS\n"
+    "    0 done, 1 something that was asked for failed or was interrupted before a case was done, 2 bad arguments or\n"
+    "    input. What is wrong is one line on standard error.\n"
+    "\n"
+    "FILES\n"
+    "    results/            results.json, results.csv and report.html of the last bench\n"
+    "    ~/.cache/skinbench  pipelines that Vulkan has compiled\n"
+    "\n"
+    "ENVIRONMENT\n"
+    "    CUDA_VISIBLE_DEVICES, GPU_DEVICE_ORDINAL, SLURM_STEP_GPUS, SLURM_JOB_GPUS\n"
+    "        the devices that may be used; probe says what follows from them\n"
+    "\n"
+    "EXAMPLES\n"
+    "    skinbench bench hero.glb --copies 100\n"
+    "        verifies and times every variant on every route with a character of your own\n"
+    "    skinbench bench --routes vk,gl-nv --variants vertex,mesh\n"
+    "        some of them\n"
+    "    skinbench render hero.glb --view weights -o weights.png\n"
+    "        a picture\n"
+    "    skinbench completion bash > ~/.local/share/bash-completion/completions/skinbench\n"
+    "        what the shell completes\n"
+    "\n"
+    "SEE ALSO\n"
+    "    skinbench COMMAND --help, skinview --help";
+
 int runProgram(int argc, char** argv) {
     CLI::App program{"Compares skinning on this machine's GPUs: vertex, compute and mesh shaders, Vulkan and OpenGL.",
                      "skinbench"};
     program.set_version_flag("--version", std::string(SKINBENCH_VERSION) + " (" + SKINBENCH_REVISION + ")");
+    writeManual(program);
     program.require_subcommand(1);
     int status = kExitDone;
     addProbe(program, status);
@@ -332,9 +385,8 @@ int runProgram(int argc, char** argv) {
     addReport(program, status);
     addReproduce(program, status);
     addCompare(program, status);
-    program.footer(
-        "Exit status: 0 done, 1 something that was asked for failed or was interrupted before a case was done, "
-        "2 bad arguments or input.");
+    addCompletion(program, status);
+    program.footer(kFooter);
     if (const auto ended = parseWords(program, argc, argv)) return *ended;
     return status == kExitDone ? flushOutput() : status;
 }

@@ -118,12 +118,36 @@ int run(const Words& words) {
     return kept ? kept : flushOutput();
 }
 
+constexpr const char* kFooter =
+    "KEYS\n"
+    "    F1 in the window lists them. Tab: A or B; D: their difference; R, V, C: next route, variant, codec; Space: "
+    "pause.\n"
+    "\n"
+    "EXIT STATUS\n"
+    "    0 done, 1 no display, no driver, or with --frames a case that cannot be drawn, 2 bad arguments or input. What "
+    "is\n"
+    "    wrong is one line on standard error, or in the window once it is open.\n"
+    "\n"
+    "FILES\n"
+    "    $XDG_CONFIG_HOME/skinbench/view.json, ~/.config/skinbench/view.json\n"
+    "        what the window showed last\n"
+    "\n"
+    "EXAMPLES\n"
+    "    skinview hero.glb --copies 50\n"
+    "        a character of your own\n"
+    "    skinview --case vk-ext/mesh/pc/meshopt/redirect --case2 vk/vertex/uc --mode difference\n"
+    "        what a codec and a stage change in the picture\n"
+    "\n"
+    "SEE ALSO\n"
+    "    skinbench --help";
+
 int runProgram(int argc, char** argv) {
     nameProgram("skinview");
     CLI::App program{
         "Shows two cases of skinbench side by side: one camera, one clock, any routes, variants and codecs.",
         "skinview"};
     program.set_version_flag("--version", std::string(SKINBENCH_VERSION) + " (" + SKINBENCH_REVISION + ")");
+    writeManual(program);
     Words words;
     program.add_option("scene", words.scene,
                        "a .gltf or .glb file, or builtin:NAME[:VERTICES] (default: builtin:biped)");
@@ -147,6 +171,7 @@ int runProgram(int argc, char** argv) {
         ->each([&](const std::string&) { words.frames = words.frames ? words.frames : 1; });
     program.add_option("--device", words.device, "number, part of the name, UUID or PCI address, as probe shows them");
     program.add_flag("--validation", words.validation, "validation layers and debug output; a message is a failure");
+    program.footer(kFooter);
     if (const auto ended = parseWords(program, argc, argv)) return *ended;
     return run(words);
 }

@@ -6,6 +6,7 @@
 #include <catch2/catch_test_macros.hpp>
 #include <catch2/matchers/catch_matchers_string.hpp>
 
+#include "common/cases/axes.h"
 #include "common/core/file.h"
 #include "common/scene/scene.h"
 #include "tests/apps/program_call.h"
@@ -104,6 +105,38 @@ TEST_CASE("a list prints the cases, what would be skipped, and what no case can 
     CHECK(found["cases"].size() == 7);
     CHECK(found["unused"][0]["words"] == json{"mesh"});
     CHECK(!fs::exists(pathOf("results")));
+}
+
+TEST_CASE("shells complete subcommands, options and the values of the axes") {
+    for (const char* shell : {"bash", "zsh", "fish"}) {
+        const Outcome script = call({"completion", shell});
+        CHECK(script.status == 0);
+        CHECK(script.err == "");
+        INFO(shell);
+        for (const Axis& axis : axes()) {
+            if (!axis.benched) continue;
+            std::string words;
+            for (const std::string& word : axis.words) words += (words.empty() ? "" : " ") + word;
+            CHECK_THAT(script.out, ContainsSubstring(axis.option.name));
+            CHECK_THAT(script.out, ContainsSubstring(words));
+        }
+        if (std::string(shell) == "bash") fixture::writeText("skinbench.bash", script.out);
+    }
+    // As bash asks: the words before the cursor, and the one that it is in.
+    const auto completed = [](const std::string& words) {
+        const std::string ask =
+            ". ./skinbench.bash; COMP_WORDS=(" + words +
+            "); COMP_CWORD=$((${#COMP_WORDS[@]} - 1)); _skinbench; printf '%s ' \"${COMPREPLY[@]}\"";
+        const Outcome outcome = finish(start({"-c", ask}, {}, "", "/bin/bash"));
+        CHECK(outcome.err == "");
+        return outcome.out;
+    };
+    CHECK(completed("skinbench be") == "bench ");
+    CHECK(completed("skinbench bench --routes vk,g") == "vk,gl vk,gl-ext vk,gl-nv ");
+    CHECK(completed("skinbench render --method = d") == "dqs ");
+    CHECK(completed("skinbench render x.glb --meth") == "--method ");
+    CHECK(completed("skinbench partition --ord") == "--order ");
+    checkRefused(call({"completion", "tcsh"}), 2, "no shell 'tcsh'; there is bash, zsh, fish");
 }
 
 TEST_CASE("words that do not exist") {

@@ -356,3 +356,36 @@ TEST_CASE("render writes a PNG file of the asked size") {
     // Width and height of the IHDR chunk, big-endian.
     CHECK(bytes->substr(16, 8) == std::string("\0\0\0\x60\0\0\0\x40", 8));
 }
+
+TEST_CASE("render draws a clip as files, one after the other, or as one file, with what two cases differ by") {
+    const json found = json::parse(call({"probe", "--json"}).out, nullptr, false);
+    REQUIRE(found.is_object());
+    if (found["auto"]["route"] == "cpu") SKIP("no driver");
+    const Words words = {"render", "builtin:robot:2000", "--size",   "48x32", "--codec",
+                         "uc,pc",  "--difference",       "--animate"};
+    auto with = [&](const Words& more) {
+        Words all = words;
+        all.insert(all.end(), more.begin(), more.end());
+        return call(all);
+    };
+    const Outcome frames = with({"2", "-o", "frames"});
+    INFO(frames.err);
+    CHECK(frames.status == 0);
+    const auto first = readWholeFile(pathOf("frames/0000.png")), second = readWholeFile(pathOf("frames/0001.png"));
+    REQUIRE((first && second));
+    CHECK(first->substr(16, 8) == std::string("\0\0\0\x90\0\0\0\x20", 8));
+    CHECK(*first != *second);
+    CHECK(!fs::exists(pathOf("frames/0002.png")));
+    const Outcome moving = with({"3", "-o", "moving.webp"});
+    if (moving.status == 2) SKIP(moving.err);
+    CHECK(moving.status == 0);
+    const auto bytes = readWholeFile(pathOf("moving.webp"));
+    REQUIRE(bytes);
+    CHECK(bytes->substr(8, 4) == "WEBP");
+    size_t shown = 0;
+    for (size_t at = bytes->find("ANMF"); at != std::string::npos; at = bytes->find("ANMF", at + 4)) ++shown;
+    CHECK(shown == 3);
+    checkRefused(
+        call({"render", "builtin:robot:2000", "--difference", "--route", "vk", "--variant", "vertex", "-o", "x.png"}),
+        2, "--difference compares two cases, not 1");
+}
