@@ -17,7 +17,7 @@ struct Words {
     std::string scene, caseId, case2Id, size, settings, screenshot, mode, device, clip;
     double seconds = -1;
     uint32_t frames = 0, copies = 0;
-    bool validation = false;
+    bool validation = false, noWindow = false;
 };
 
 // Where settings are kept when no file is named; empty where there is no home.
@@ -68,22 +68,65 @@ Result<ViewState> stateOf(const Words& words) {
 }
 
 // One line for what ends the program or spoils a run that nobody watches.
-std::optional<int> fault(const Viewer& view, bool watched) {
-    if (!view.shown) return std::nullopt;
-    if (view.shown->scene.empty() && !view.shown->error.empty())
-        return reportError({view.shown->fault, view.shown->error});
+std::optional<int> fault(const Shown* shown, bool watched) {
+    if (!shown) return std::nullopt;
+    if (shown->scene.empty() && !shown->error.empty()) return reportError({shown->fault, shown->error});
     if (!watched)
-        for (const Drawn& picture : view.shown->pictures)
+        for (const Drawn& picture : shown->pictures)
             if (!picture.error.empty()) return reportError({Fault::device, picture.id + ": " + picture.error});
     return std::nullopt;
 }
 
-int keepSettings(const Viewer& view, const Words& words) {
-    if (words.frames && words.settings.empty()) return kExitDone;
-    const std::string path = words.settings.empty() ? usualSettings() : words.settings;
-    if (path.empty()) return kExitDone;
-    const auto written = writeWholeFile(path, settingsText(view.state));
-    return written ? kExitDone : reportError(written.error());
+// Frames and how long they took, the first one, which starts the drivers, apart.
+struct Tally {
+    std::chrono::steady_clock::time_point start = std::chrono::steady_clock::now();
+    double first = 0, all = 0;  // seconds
+    uint32_t drawn = 0;
+
+    void add() {
+        all = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+        if (drawn++ == 0) first = all;
+    }
+    std::string text(const Image& image) const {
+        return std::format(
+            "first frame after {:.2f} s, then {} frames of two pictures of {} x {} in {:.2f} s, {:.1f} a "
+            "second\n",
+            first, drawn - 1, image.width, image.height, all - first, drawn > 1 ? (drawn - 1) / (all - first) : 0);
+    }
+};
+
+// What there is to say and to write at the end.
+int finish(const Words& words, const ViewState& state, const Image& screenshot,
+           const std::vector<std::string>& messages) {
+    if (screenshot.width)
+        if (const auto saved = savePng(screenshot, words.screenshot); !saved) return reportError(saved.error());
+    for (const std::string& message : messages) say(message);
+    if (!messages.empty()) return kExitFailed;
+    const std::string path = !words.settings.empty() ? words.settings : words.frames ? "" : usualSettings();
+    if (!path.empty())
+        if (const auto kept = writeWholeFile(path, settingsText(state)); !kept) return reportError(kept.error());
+    return flushOutput();
+}
+
+// The pictures alone, each of the size that the window would have.
+int runWithoutWindow(const Words& words, ViewState state) {
+    Renderer renderer({words.device, words.validation});
+    Tally tally;
+    std::vector<std::string> messages;
+    std::shared_ptr<const Shown> shown;
+    for (uint64_t frame = 1; frame <= words.frames && !interrupted(); ++frame) {
+        renderer.post({frame, state, state.width, state.height, false, {}});
+        shown = renderer.wait(frame);
+        tally.add();
+        if (const auto ended = fault(shown.get(), false)) return *ended;
+        messages.insert(messages.end(), shown->messages.begin(), shown->messages.end());
+        state.cases = shown->cases;
+        stepClock(state, 1.0 / 60, shown->duration);
+    }
+    if (!shown) return reportError({Fault::device, "interrupted before a frame was drawn"});
+    const Image &a = shown->pictures[0].image, &b = shown->pictures[1].image;
+    std::cout << tally.text(a);
+    return finish(words, state, words.screenshot.empty() ? Image{} : sideBySide({a, b}), messages);
 }
 
 int run(const Words& words) {
@@ -95,27 +138,21 @@ int run(const Words& words) {
             if (!right) return reportError(right.error());
     catchInterrupts();
     const bool watched = words.frames == 0;
+    if (words.noWindow && watched)
+        return reportError({Fault::input, "--no-window draws a number of frames; name it with --frames"});
+    if (words.noWindow) return runWithoutWindow(words, *state);
     auto view = openView({*state, {words.device, words.validation}, !watched, {}});
     if (!view) return reportError(view.error());
-    const auto start = std::chrono::steady_clock::now();
+    Tally tally;
     Image last;
-    uint32_t drawn = 0;
-    while (!interrupted() && (watched || drawn < words.frames)) {
-        const bool isLast = drawn + 1 == words.frames;
+    while (!interrupted() && (watched || tally.drawn < words.frames)) {
+        const bool isLast = tally.drawn + 1 == words.frames;
         if (!drawFrame(**view, isLast && !words.screenshot.empty() ? &last : nullptr)) break;
-        ++drawn;
-        if (const auto ended = fault(**view, watched)) return *ended;
+        tally.add();
+        if (const auto ended = fault((*view)->shown.get(), watched)) return *ended;
     }
-    const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
-    if (!watched)
-        std::cout << std::format("{} frames of {} x {} in {:.2f} s, {:.1f} a second\n", drawn, (*view)->size.x,
-                                 (*view)->size.y, seconds, drawn / seconds);
-    if (last.width)
-        if (const auto saved = savePng(last, words.screenshot); !saved) return reportError(saved.error());
-    for (const std::string& message : (*view)->messages) say(message);
-    if (!(*view)->messages.empty()) return kExitFailed;
-    const int kept = keepSettings(**view, words);
-    return kept ? kept : flushOutput();
+    if (!watched && (*view)->shown) std::cout << tally.text((*view)->shown->pictures[0].image);
+    return finish(words, (*view)->state, last, (*view)->messages);
 }
 
 constexpr const char* kFooter =
@@ -169,6 +206,8 @@ int runProgram(int argc, char** argv) {
         .add_option("--screenshot", words.screenshot,
                     "PNG file of the window's last frame; without --frames of its first")
         ->each([&](const std::string&) { words.frames = words.frames ? words.frames : 1; });
+    program.add_flag("--no-window", words.noWindow,
+                     "with --frames: the pictures alone, each of --size, where there is no display");
     program.add_option("--device", words.device, "number, part of the name, UUID or PCI address, as probe shows them");
     program.add_flag("--validation", words.validation, "validation layers and debug output; a message is a failure");
     program.footer(kFooter);

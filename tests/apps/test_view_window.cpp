@@ -286,7 +286,15 @@ TEST_CASE("the program draws, writes and keeps its settings; what is missing is 
              fixture::writeText("view.json", R"({"schema": "skinview-settings/1", "copies": 3})")});
     INFO(drawn.err);
     CHECK(drawn.status == 0);
-    CHECK(drawn.out.starts_with("2 frames of "));
+    CHECK(drawn.out.starts_with("first frame after "));
+    CHECK_THAT(drawn.out, ContainsSubstring("then 1 frames of two pictures of "));
+    const Outcome alone =
+        run({"builtin:robot:2000", "--size", "64x48", "--frames", "2", "--no-window", "--screenshot", "two.png"},
+            {"DISPLAY="});
+    INFO(alone.err);
+    CHECK(alone.status == 0);
+    CHECK_THAT(alone.out, ContainsSubstring("of 64 x 48"));
+    CHECK(readPng(pathOf("two.png")).width == 128);
     CHECK(readPng(pathOf("window.png")).width == 320);
     const auto kept = readSettings({}, readWholeFile(pathOf("view.json")).value_or(""));
     REQUIRE(kept);
@@ -294,6 +302,7 @@ TEST_CASE("the program draws, writes and keeps its settings; what is missing is 
     CHECK(kept->width == 320);
     const std::tuple<Words, Words, int, const char*> bad[] = {
         {{"--frames", "1"}, {"DISPLAY=", "WAYLAND_DISPLAY="}, 1, "no window can be opened: X11"},
+        {{"--no-window"}, {}, 2, "name it with --frames"},
         {{"missing.glb", "--frames", "1"}, {}, 2, "missing.glb: there is no such file"},
         {{"--case", "vk/mesh/uc"}, {}, 2, "mesh does not exist on route vk"},
         {{"--settings", "none.json"}, {}, 2, "none.json: No such file or directory"},
