@@ -135,9 +135,7 @@ void drawScene(Viewer& view) {
     if (ImGui::SliderFloat("resolution", &resolution, 0, 1, resolution > 0 ? "%.2f" : "by device"))
         state.resolution = resolution < 0.05f ? 0 : resolution;
     ImGui::TextWrapped("%s", std::format("pictures of {} x {}{}", view.size.x, view.size.y,
-                                         view.size.x < view.area.size.x / 2 - 1 && state.resolution == 0
-                                             ? ": smaller than the window, as the processor draws them"
-                                             : "")
+                                         view.shrunk ? ": smaller than the window, as the processor draws them" : "")
                                  .c_str());
 }
 

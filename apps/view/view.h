@@ -47,6 +47,7 @@ struct Viewer {
     std::chrono::steady_clock::time_point wantedSince, last, answered;
     double rate = 0;  // answers a second of late
 
+    bool shrunk = false;             // pictures are smaller than their panes, as the processor draws them
     Rectangle area;                  // where pictures are drawn, in window coordinates
     std::array<Rectangle, 2> panes;  // of A and B in it
     std::array<History, 2> history;

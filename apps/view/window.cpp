@@ -78,7 +78,9 @@ void layOut(Viewer& view) {
     }
     const glm::dvec2 size(view.state.mode == Mode::panes ? area.size.x / 2 : area.size.x, area.size.y);
     const glm::dvec2 pixels = size * glm::dvec2(io.DisplayFramebufferScale.x, io.DisplayFramebufferScale.y);
-    const glm::uvec2 wanted(glm::max(pixels * resolutionOf(view, pixels.x * pixels.y), 1.0));
+    const double resolution = resolutionOf(view, pixels.x * pixels.y);
+    view.shrunk = view.state.resolution == 0 && resolution < 1;
+    const glm::uvec2 wanted(glm::max(pixels * resolution, 1.0));
     if (wanted != view.wanted) view.wantedSince = Clock::now();
     view.wanted = wanted;
     // Each size takes new plans, so pictures follow once the window is left alone.

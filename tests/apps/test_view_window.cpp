@@ -281,6 +281,9 @@ TEST_CASE("the program draws, writes and keeps its settings; what is missing is 
     const auto run = [](const Words& words, const Words& environment = {}) {
         return finish(start(words, environment, "", SKINVIEW_PROGRAM));
     };
+    const auto probe = fixture::json::parse(call({"probe", "--json"}).out, nullptr, false);
+    REQUIRE(probe.is_object());
+    if (probe["auto"]["route"] == "cpu") SKIP("no driver");
     const Outcome drawn =
         run({"builtin:robot:2000", "--size", "320x200", "--frames", "2", "--screenshot", "window.png", "--settings",
              fixture::writeText("view.json", R"({"schema": "skinview-settings/1", "copies": 3})")});
