@@ -401,6 +401,40 @@ TEST_CASE("the resolution view shows a grid where there is one, alike on every r
     }
 }
 
+TEST_CASE("the view of normals shows unit vectors, that of joints the only ones of a rigid character") {
+    if (!anyDriver()) SKIP("no Vulkan and no OpenGL driver on this machine");
+    auto robot = makeBuiltin("robot", 2000);
+    REQUIRE(robot);
+    auto rigid = makeWorkload(std::move(*robot), testShaders(), {.width = 160, .height = 120});
+    REQUIRE(rigid);
+    Workload smooth = tinyWorkload(1);
+    for (const char* name : {"vk", "vk-ext", "gl", "gl-ext"}) {
+        Case c = makeCase(name, findRoute(name)->dialect == MeshDialect::none ? "vertex" : "mesh");
+        Backend* const backend = openedBackends().at(c.route->api).backend;
+        if (!backend || unsupported(c, backend->caps())) continue;
+        INFO(name);
+        const auto draw = [&](Workload& workload, View view) {
+            c.view = view;
+            auto image = renderImage(workload, c, *backend);
+            REQUIRE(image);
+            return std::move(*image);
+        };
+        const Image normals = draw(*rigid, View::normals);
+        size_t drawn = 0;
+        double worst = 0;
+        for (size_t at = 0; at < normals.rgba.size(); at += 4) {
+            if (std::equal(&normals.rgba[at], &normals.rgba[at] + 4, normals.rgba.begin())) continue;
+            const glm::dvec3 n(normals.rgba[at], normals.rgba[at + 1], normals.rgba[at + 2]);
+            worst = std::max(worst, std::abs(glm::length(n / 127.5 - 1.0) - 1));
+            ++drawn;
+        }
+        CHECK(drawn > 500);
+        CHECK(worst < 0.02);
+        CHECK(compareImages(draw(*rigid, View::weights), draw(*rigid, View::joints), 0).fraction == 0);
+        CHECK(compareImages(draw(smooth, View::weights), draw(smooth, View::joints), 2).fraction > 0.01);
+    }
+}
+
 TEST_CASE("the velocity view tells what moves from what rests") {
     if (!anyDriver()) SKIP("no Vulkan and no OpenGL driver on this machine");
     for (const auto& [api, open] : openedBackends())
