@@ -5,8 +5,8 @@
 #include <limits>
 #include <set>
 
+#include "common/measure/verify.h"
 #include "common/plans/plan_parts.h"
-#include "common/scene/skin_cpu.h"
 
 namespace skinbench {
 namespace {
@@ -52,7 +52,7 @@ std::optional<Hit> findHit(const PlanInput& input, const std::vector<uint32_t>& 
         if (skinned.positions.empty()) {
             const Palette palette = paletteOfCopy(frame, input.copies, copy);
             if (posed)
-                skinned = skinReference(mesh, palette);
+                skinned = skinnedReference(input, mesh, palette);
             else
                 skinned.positions.assign(mesh.positions.begin(), mesh.positions.end());
         }
@@ -108,7 +108,7 @@ std::vector<std::string> pickLines(const Case& c, const PlanInput& input, const 
     if (!hit) return {};
     const uint32_t vertex = triangles[hit->triangle * 3 + hit->corner], source = sources[vertex];
     const Mesh& mesh = input.scene->mesh;
-    const Mesh decoded = decodeOnCpu(drawn, *input.encoded);
+    const Mesh decoded = decodedMesh(input);
     const glm::vec3 p = mesh.positions[source], q = decoded.positions[vertex];
     std::vector<std::string> lines{std::format("copy {}, triangle {}", hit->copy, hit->triangle)};
     if (input.meshlets) lines.push_back(meshletText(input, sources, hit->triangle));
