@@ -83,23 +83,23 @@ struct Face {
     double longest = 0;
 };
 
-Face faceOf(const Mesh& mesh, const MeshletMesh& meshlets, const Meshlet& meshlet, uint32_t triangle) {
-    std::array<glm::dvec3, 3> p;
+using Corners = std::array<glm::dvec3, 3>;
+
+Corners cornersOf(const Mesh& mesh, const MeshletMesh& meshlets, const Meshlet& meshlet, uint32_t triangle) {
+    Corners p;
     for (int corner = 0; corner < 3; ++corner)
         p[corner] = mesh.positions[meshlets.vertices[meshlet.firstVertex +
                                                      meshlets.triangles[meshlet.firstTriangle + triangle][corner]]];
+    return p;
+}
+
+Face faceOf(const Corners& p) {
     return {glm::cross(p[1] - p[0], p[2] - p[0]),
             std::max({glm::distance(p[0], p[1]), glm::distance(p[1], p[2]), glm::distance(p[2], p[0])})};
 }
 
 // A triangle with two corners in one place is never drawn; one whose corners lie in a line may be, by rounding.
-bool isDrawable(const Mesh& mesh, const MeshletMesh& meshlets, const Meshlet& meshlet, uint32_t triangle) {
-    auto place = [&](int corner) {
-        return mesh.positions[meshlets.vertices[meshlet.firstVertex +
-                                                meshlets.triangles[meshlet.firstTriangle + triangle][corner]]];
-    };
-    return place(0) != place(1) && place(1) != place(2) && place(2) != place(0);
-}
+bool isDrawable(const Corners& p) { return p[0] != p[1] && p[1] != p[2] && p[2] != p[0]; }
 
 ClusterCone coneOf(const Mesh& mesh, const MeshletMesh& meshlets, const Meshlet& meshlet,
                    const std::vector<glm::dvec3>& points) {
@@ -108,8 +108,9 @@ ClusterCone coneOf(const Mesh& mesh, const MeshletMesh& meshlets, const Meshlet&
     double altitude = std::numeric_limits<double>::infinity();
     std::vector<glm::dvec3> normals;
     for (uint32_t t = 0; t < meshlet.triangleCount; ++t) {
-        if (!isDrawable(mesh, meshlets, meshlet, t)) continue;
-        const Face face = faceOf(mesh, meshlets, meshlet, t);
+        const Corners corners = cornersOf(mesh, meshlets, meshlet, t);
+        if (!isDrawable(corners)) continue;
+        const Face face = faceOf(corners);
         const double length = glm::length(face.normal);
         altitude = std::min(altitude, length / face.longest);
         if (length == 0) return cone;

@@ -30,12 +30,7 @@ Result<void> addCopyPass(FramePlan& plan, const char* label, const char* file, c
     return {};
 }
 
-}  // namespace
-
-Mesh decodedMesh(const PlanInput& input) {
-    return decodeOnCpu(input.records ? input.records->mesh : input.scene->mesh, *input.encoded);
-}
-
+// Room for the verdicts of a verifying plan.
 void addVerdicts(FramePlan& plan, const Case& c, const PlanInput& input, Defines& defines) {
     const bool tests = c.clusterCull != ClusterCull::off;
     const uint64_t verdicts = tests ? uint64_t{input.meshlets->meshlets.size()} * input.copies : 0;
@@ -43,6 +38,8 @@ void addVerdicts(FramePlan& plan, const Case& c, const PlanInput& input, Defines
     if (input.capture && (tests || c.variant->listsTriangles))
         plan.streams.push_back({.slot = SLOT_VERDICT, .gpuBytes = (verdicts + COUNTED_WORDS) * sizeof(uint32_t)});
 }
+
+}  // namespace
 
 void addClusters(FramePlan& plan, const Case& c, const PlanInput& input, const DeviceCaps& caps, Defines& defines) {
     addVerdicts(plan, c, input, defines);
@@ -88,14 +85,6 @@ Result<void> addClusterList(FramePlan& plan, const Case& c, const PlanInput& inp
     if (c.clusterCull != ClusterCull::list) return {};
     setView(defines, shown);
     return addCopyPass(plan, "cluster", "list_clusters.glsl", c, input, caps, defines, shown);
-}
-
-void addListedDraws(Pass& pass, const Case& c, const PlanInput& input, uint32_t firstCommand) {
-    const auto blocks = paletteBlocks(c, input);
-    for (uint32_t copy = 0; copy < (c.submission == Submission::batched ? 1 : input.copies); ++copy)
-        pass.draws.push_back({.constants = {copy, 0, 0, 0},
-                              .paletteOffset = blocks ? blocks->stride() * copy : 0,
-                              .command = firstCommand + copy});
 }
 
 }  // namespace skinbench

@@ -17,6 +17,10 @@ std::vector<uint32_t> sourcesOf(const PlanInput& input) {
     return sources;
 }
 
+Mesh decodedMesh(const PlanInput& input) {
+    return decodeOnCpu(input.records ? input.records->mesh : input.scene->mesh, *input.encoded);
+}
+
 Defines caseDefines(const Case& c, const PlanInput& input) {
     const bool prepass = c.scenario == Scenario::prepass;
     Defines defines = {
@@ -218,6 +222,14 @@ void addIndexedDraws(FramePlan& plan, Pass& pass, const Case& c, const PlanInput
                                   .baseVertex = static_cast<int32_t>(copy * input.encoded->vertexCount),
                                   .constants = {copy, 0, 0, 0},
                                   .paletteOffset = blocks ? blocks->stride() * (copy * commands.size() + c) : 0});
+}
+
+void addListedDraws(Pass& pass, const Case& c, const PlanInput& input, uint32_t firstCommand) {
+    const auto blocks = paletteBlocks(c, input);
+    for (uint32_t copy = 0; copy < (c.submission == Submission::batched ? 1 : input.copies); ++copy)
+        pass.draws.push_back({.constants = {copy, 0, 0, 0},
+                              .paletteOffset = blocks ? blocks->stride() * copy : 0,
+                              .command = firstCommand + copy});
 }
 
 // Fewer bits than nearly every rasteriser has would keep more triangles than needed, never drop a visible one.

@@ -9,6 +9,9 @@ namespace skinbench {
 // For each encoded vertex the vertex of the scene that it came from.
 std::vector<uint32_t> sourcesOf(const PlanInput& input);
 
+// The vertices that shaders read, in the numbers that triangles and meshlets name.
+Mesh decodedMesh(const PlanInput& input);
+
 // Defines that every stage of the case sees.
 Defines caseDefines(const Case& c, const PlanInput& input);
 
@@ -97,13 +100,7 @@ void addGroupDraws(Pass& pass, const Case& c, const PlanInput& input, uint32_t g
 Pass dispatchPass(const char* label, const Case& c, const PlanInput& input, const DeviceCaps& caps, uint64_t each,
                   uint32_t groupSize);
 
-// The vertices that shaders read, in the numbers that triangles and meshlets name.
-Mesh decodedMesh(const PlanInput& input);
-
-// Room for what a verifying plan of a case that culls writes to SLOT_VERDICT.
-void addVerdicts(FramePlan& plan, const Case& c, const PlanInput& input, Defines& defines);
-
-// What ClusterCull reads and writes, and the defines of its stages. A list's counts are a view's commands from 0 on or,
+// What ClusterCull reads and writes, the verdicts of a verifying plan, and the defines of its stages. A list's counts are a view's commands from 0 on or,
 // with Variant::listsTriangles, those behind the draws'.
 void addClusters(FramePlan& plan, const Case& c, const PlanInput& input, const DeviceCaps& caps, Defines& defines);
 
