@@ -176,6 +176,9 @@ Result<void> renderAnimation(RenderOptions options) {
 int runRender(const RenderOptions& options) {
     if (options.animate) {
         const bool file = options.out.ends_with(".webp");
+        if (options.out.ends_with(".png"))
+            return reportError(
+                {Fault::input, options.out + ": --animate writes a .webp file, or PNG files into a folder; name one"});
         if (file && !hasAnimations())
             return reportError(
                 {Fault::input, options.out + ": this build cannot write WebP; name a folder for PNG files"});
