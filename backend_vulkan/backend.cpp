@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "backend_vulkan/counters.h"
+#include "backend_vulkan/record.h"
 
 namespace skinbench {
 
@@ -34,17 +35,10 @@ private:
     Result<void> needQueries(uint32_t count);
     uint64_t queriesDone(uint32_t count) const;
     Result<double> copySkinned(Plan& plan, std::span<const std::byte> skinned);
-    void bindFrame(VkCommandBuffer commands, const Plan& plan, size_t frame, uint64_t paletteOffset) const;
-    void recordIndirect(VkCommandBuffer commands, const Plan& plan, PassKind kind, uint32_t command) const;
-    void recordDraws(VkCommandBuffer commands, const Plan& plan, size_t frame, const Pass& pass,
-                     VkAttachmentLoadOp load = VK_ATTACHMENT_LOAD_OP_LOAD) const;
     void timestamp(VkCommandBuffer commands, uint32_t query) const;
     template <class Measure>
-    void recordPass(VkCommandBuffer commands, const Plan& plan, size_t frame, size_t number,
-                    const Measure& measure) const;
-    void recordOverlapped(VkCommandBuffer commands, const Plan& plan, size_t frame, uint32_t query) const;
-    void clearTarget(VkCommandBuffer commands, const Plan& plan) const;
-    void bindPass(VkCommandBuffer commands, const Plan& plan, size_t number) const;
+    void recordPass(const FrameRecord& record, size_t number, const Measure& measure) const;
+    void recordOverlapped(const FrameRecord& record, uint32_t query) const;
     Result<void> runBatch(const Plan& plan, size_t first, std::span<Timing> timings, RunMode mode);
     Result<void> countBatch(const Plan& plan, size_t first, std::span<Timing> timings);
     Result<void> readTimings(uint32_t pairs, std::span<Timing> timings);
@@ -132,79 +126,6 @@ Result<double> VulkanBackend::copySkinned(Plan& plan, std::span<const std::byte>
     return elapsedMs(start);
 }
 
-void VulkanBackend::bindPass(VkCommandBuffer commands, const Plan& plan, size_t number) const {
-    const VolkDeviceTable& vk = device_->vk;
-    const Pass& pass = plan.shape.passes[number];
-    if (pass.kind == PassKind::dispatch) {
-        vk.vkCmdBindPipeline(commands, VK_PIPELINE_BIND_POINT_COMPUTE, plan.pipelines[number]);
-        return;
-    }
-    vk.vkCmdBindPipeline(commands, VK_PIPELINE_BIND_POINT_GRAPHICS, plan.pipelines[number]);
-    const VkExtent2D size = plan.target->size;
-    const VkViewport viewport{0, 0, static_cast<float>(size.width), static_cast<float>(size.height), 0, 1};
-    const VkRect2D scissor{{0, 0}, size};
-    vk.vkCmdSetViewport(commands, 0, 1, &viewport);
-    vk.vkCmdSetScissor(commands, 0, 1, &scissor);
-    vk.vkCmdSetCullMode(commands, pass.cullBackFaces ? VK_CULL_MODE_BACK_BIT : VK_CULL_MODE_NONE);
-    vk.vkCmdSetRasterizerDiscardEnable(commands, pass.raster == RasterMode::discard);
-    const bool keep = pass.depth == DepthTest::equalKeep, never = pass.raster == RasterMode::noFragments;
-    vk.vkCmdSetDepthCompareOp(commands, never ? VK_COMPARE_OP_NEVER : keep ? VK_COMPARE_OP_EQUAL : VK_COMPARE_OP_LESS);
-    vk.vkCmdSetDepthWriteEnable(commands, !never && !keep);
-    if (pass.kind != PassKind::drawIndexed) return;
-    const VkDeviceSize start = 0;
-    if (plan.vertexBuffers[number]) vk.vkCmdBindVertexBuffers(commands, 0, 1, &plan.vertexBuffers[number], &start);
-    vk.vkCmdBindIndexBuffer(commands, plan.indexBuffer, 0, VK_INDEX_TYPE_UINT32);
-}
-
-void VulkanBackend::bindFrame(VkCommandBuffer commands, const Plan& plan, size_t frame, uint64_t paletteOffset) const {
-    const std::array offsets{
-        static_cast<uint32_t>(frameData_.constantsStride * frame),
-        static_cast<uint32_t>(frameData_.paletteStart + frameData_.paletteStride * frame + paletteOffset)};
-    for (VkPipelineBindPoint point : {VK_PIPELINE_BIND_POINT_GRAPHICS, VK_PIPELINE_BIND_POINT_COMPUTE})
-        device_->vk.vkCmdBindDescriptorSets(commands, point, plan.layout, 0, 1, &plan.descriptors, 2, offsets.data());
-}
-
-void VulkanBackend::clearTarget(VkCommandBuffer commands, const Plan& plan) const {
-    beginRendering(commands, *plan.target, VK_ATTACHMENT_LOAD_OP_CLEAR, plan.shape.background);
-    device_->vk.vkCmdEndRendering(commands);
-}
-
-void VulkanBackend::recordIndirect(VkCommandBuffer commands, const Plan& plan, PassKind kind, uint32_t command) const {
-    const VolkDeviceTable& vk = device_->vk;
-    const VkDeviceSize offset = VkDeviceSize{command} * sizeof(DrawCommand);
-    if (kind == PassKind::dispatch)
-        vk.vkCmdDispatchIndirect(commands, plan.commandBuffer, offset);
-    else if (kind == PassKind::drawIndexed)
-        vk.vkCmdDrawIndexedIndirect(commands, plan.commandBuffer, offset, 1, sizeof(DrawCommand));
-    else if (plan.shape.dialect == MeshDialect::nv)
-        vk.vkCmdDrawMeshTasksIndirectNV(commands, plan.commandBuffer, offset, 1, sizeof(DrawCommand));
-    else
-        vk.vkCmdDrawMeshTasksIndirectEXT(commands, plan.commandBuffer, offset, 1, sizeof(DrawCommand));
-}
-
-// The rendering scope of a drawing pass, and every draw with its constants.
-void VulkanBackend::recordDraws(VkCommandBuffer commands, const Plan& plan, size_t frame, const Pass& pass,
-                                VkAttachmentLoadOp load) const {
-    const VolkDeviceTable& vk = device_->vk;
-    const bool draws = pass.kind != PassKind::dispatch;
-    if (draws) beginRendering(commands, *plan.target, load, plan.shape.background);
-    for (const Draw& draw : pass.draws) {
-        if (plan.shape.paletteRange) bindFrame(commands, plan, frame, draw.paletteOffset);
-        vk.vkCmdPushConstants(commands, plan.layout, device_->stages, 0, sizeof draw.constants, draw.constants.data());
-        if (draw.command)
-            recordIndirect(commands, plan, pass.kind, *draw.command);
-        else if (pass.kind == PassKind::dispatch)
-            vk.vkCmdDispatch(commands, draw.count, 1, 1);
-        else if (pass.kind == PassKind::drawIndexed)
-            vk.vkCmdDrawIndexed(commands, draw.count, 1, draw.firstIndex, draw.baseVertex, 0);
-        else if (plan.shape.dialect == MeshDialect::nv)
-            vk.vkCmdDrawMeshTasksNV(commands, draw.count, 0);
-        else
-            vk.vkCmdDrawMeshTasksEXT(commands, draw.count, 1, 1);
-    }
-    if (draws) vk.vkCmdEndRendering(commands);
-}
-
 // Mesa's software driver puts a timestamp into the queue of tiles that a barrier empties, and runs the geometry stages
 // before that queue. So the queue is empty on both sides; a GPU gets no barrier here.
 void VulkanBackend::timestamp(VkCommandBuffer commands, uint32_t query) const {
@@ -215,63 +136,32 @@ void VulkanBackend::timestamp(VkCommandBuffer commands, uint32_t query) const {
 
 // measure(0) and measure(1) record what comes right before and right after the draws.
 template <class Measure>
-void VulkanBackend::recordPass(VkCommandBuffer commands, const Plan& plan, size_t frame, size_t number,
-                               const Measure& measure) const {
-    const Pass& pass = plan.shape.passes[number];
-    if (pass.kind != PassKind::dispatch && pass.clear) clearTarget(commands, plan);
-    bindPass(commands, plan, number);
-    fullBarrier(*device_, commands);
+void VulkanBackend::recordPass(const FrameRecord& record, size_t number, const Measure& measure) const {
+    const Pass& pass = record.plan.shape.passes[number];
+    if (pass.kind != PassKind::dispatch && pass.clear) clearTarget(record);
+    bindPass(record, number);
+    fullBarrier(*device_, record.commands);
     measure(0);
-    recordDraws(commands, plan, frame, pass);
+    recordDraws(record, pass);
     measure(1);
-    fullBarrier(*device_, commands);
+    fullBarrier(*device_, record.commands);
 }
 
-// What a pass needs of the one before it: skinned vertices, lists and commands, and after a drawing pass its depth, or
-// that nothing reads its lists and targets any more.
-void narrowBarrier(const Device& device, VkCommandBuffer commands, bool afterDispatch) {
-    VkMemoryBarrier2 barrier{VK_STRUCTURE_TYPE_MEMORY_BARRIER_2};
-    barrier.srcStageMask = VK_PIPELINE_STAGE_2_COMPUTE_SHADER_BIT;
-    barrier.srcAccessMask = VK_ACCESS_2_SHADER_STORAGE_WRITE_BIT;
-    barrier.dstStageMask = VK_PIPELINE_STAGE_2_VERTEX_ATTRIBUTE_INPUT_BIT |
-                           VK_PIPELINE_STAGE_2_PRE_RASTERIZATION_SHADERS_BIT | VK_PIPELINE_STAGE_2_COMPUTE_SHADER_BIT |
-                           VK_PIPELINE_STAGE_2_DRAW_INDIRECT_BIT | VK_PIPELINE_STAGE_2_INDEX_INPUT_BIT;
-    barrier.dstAccessMask = VK_ACCESS_2_VERTEX_ATTRIBUTE_READ_BIT | VK_ACCESS_2_SHADER_STORAGE_READ_BIT |
-                            VK_ACCESS_2_SHADER_STORAGE_WRITE_BIT | VK_ACCESS_2_INDIRECT_COMMAND_READ_BIT |
-                            VK_ACCESS_2_INDEX_READ_BIT;
-    if (!afterDispatch) {
-        const VkPipelineStageFlags2 tests =
-            VK_PIPELINE_STAGE_2_EARLY_FRAGMENT_TESTS_BIT | VK_PIPELINE_STAGE_2_LATE_FRAGMENT_TESTS_BIT;
-        barrier.srcStageMask =
-            VK_PIPELINE_STAGE_2_PRE_RASTERIZATION_SHADERS_BIT | tests | VK_PIPELINE_STAGE_2_COLOR_ATTACHMENT_OUTPUT_BIT;
-        barrier.srcAccessMask |=
-            VK_ACCESS_2_DEPTH_STENCIL_ATTACHMENT_WRITE_BIT | VK_ACCESS_2_COLOR_ATTACHMENT_WRITE_BIT;
-        barrier.dstStageMask |= tests | VK_PIPELINE_STAGE_2_COLOR_ATTACHMENT_OUTPUT_BIT;
-        barrier.dstAccessMask |= VK_ACCESS_2_DEPTH_STENCIL_ATTACHMENT_READ_BIT |
-                                 VK_ACCESS_2_DEPTH_STENCIL_ATTACHMENT_WRITE_BIT |
-                                 VK_ACCESS_2_COLOR_ATTACHMENT_READ_BIT | VK_ACCESS_2_COLOR_ATTACHMENT_WRITE_BIT;
-    }
-    VkDependencyInfo info{VK_STRUCTURE_TYPE_DEPENDENCY_INFO};
-    info.memoryBarrierCount = 1;
-    info.pMemoryBarriers = &barrier;
-    device.vk.vkCmdPipelineBarrier2(commands, &info);
-}
-
-void VulkanBackend::recordOverlapped(VkCommandBuffer commands, const Plan& plan, size_t frame, uint32_t query) const {
-    const std::vector<Pass>& passes = plan.shape.passes;
-    const Pass* const first = firstDrawing(plan.shape);
-    if (first && first->clear) clearTarget(commands, plan);
-    fullBarrier(*device_, commands);
-    timestamp(commands, query);
+void VulkanBackend::recordOverlapped(const FrameRecord& record, uint32_t query) const {
+    const std::vector<Pass>& passes = record.plan.shape.passes;
+    const Pass* const first = firstDrawing(record.plan.shape);
+    if (first && first->clear) clearTarget(record);
+    fullBarrier(*device_, record.commands);
+    timestamp(record.commands, query);
     for (size_t number = 0; number < passes.size(); ++number) {
         const Pass& pass = passes[number];
-        if (number > 0) narrowBarrier(*device_, commands, passes[number - 1].kind == PassKind::dispatch);
-        bindPass(commands, plan, number);
+        if (number > 0) narrowBarrier(*device_, record.commands, passes[number - 1].kind == PassKind::dispatch);
+        bindPass(record, number);
         const bool clears = pass.clear && &pass != first;
-        recordDraws(commands, plan, frame, pass, clears ? VK_ATTACHMENT_LOAD_OP_CLEAR : VK_ATTACHMENT_LOAD_OP_LOAD);
+        recordDraws(record, pass, clears ? VK_ATTACHMENT_LOAD_OP_CLEAR : VK_ATTACHMENT_LOAD_OP_LOAD);
     }
-    timestamp(commands, query + 1);
-    fullBarrier(*device_, commands);
+    timestamp(record.commands, query + 1);
+    fullBarrier(*device_, record.commands);
 }
 
 Result<void> VulkanBackend::runBatch(const Plan& plan, size_t first, std::span<Timing> timings, RunMode mode) {
@@ -285,11 +175,11 @@ Result<void> VulkanBackend::runBatch(const Plan& plan, size_t first, std::span<T
     if (count) device_->vk.vkCmdResetQueryPool(*commands, queries_, 0, count);
     fullBarrier(*device_, *commands);
     for (uint32_t i = 0; i < timings.size(); ++i) {
-        bindFrame(*commands, plan, first + i, 0);
-        if (mode == RunMode::overlap) recordOverlapped(*commands, plan, first + i, i * 2);
+        const FrameRecord record{plan, frameData_, *commands, first + i};
+        bindFrame(record);
+        if (mode == RunMode::overlap) recordOverlapped(record, i * 2);
         for (uint32_t pass = 0; pass < passes && mode == RunMode::timed; ++pass)
-            recordPass(*commands, plan, first + i, pass,
-                       [&](uint32_t end) { timestamp(*commands, (i * passes + pass) * 2 + end); });
+            recordPass(record, pass, [&](uint32_t end) { timestamp(*commands, (i * passes + pass) * 2 + end); });
     }
     SKINBENCH_TRY(endCommands(*device_));
     const double record = elapsedMs(start);
@@ -311,9 +201,10 @@ Result<void> VulkanBackend::countBatch(const Plan& plan, size_t first, std::span
     resetCounters(**counters, *commands, frames);
     fullBarrier(*device_, *commands);
     for (uint32_t i = 0; i < frames; ++i) {
-        bindFrame(*commands, plan, first + i, 0);
+        const FrameRecord record{plan, frameData_, *commands, first + i};
+        bindFrame(record);
         for (size_t pass = 0; pass < plan.shape.passes.size(); ++pass)
-            recordPass(*commands, plan, first + i, pass,
+            recordPass(record, pass,
                        [&](uint32_t end) { (end ? endCounting : beginCounting)(**counters, *commands, pass, i); });
     }
     SKINBENCH_TRY(endCommands(*device_));

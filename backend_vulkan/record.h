@@ -1,0 +1,31 @@
+// Commands of one frame of a plan.
+#pragma once
+
+#include "backend_vulkan/plan.h"
+
+namespace skinbench::vulkan {
+
+struct FrameRecord {
+    const Plan& plan;
+    const FrameData& data;
+    VkCommandBuffer commands = VK_NULL_HANDLE;
+    size_t frame = 0;  // of what `data` holds
+};
+
+// The streams, with the frame's constants and its palettes from `paletteOffset` on.
+void bindFrame(const FrameRecord& record, uint64_t paletteOffset = 0);
+
+// The target's colour to the background and its depth to 1.
+void clearTarget(const FrameRecord& record);
+
+// The pipeline of a pass with its state.
+void bindPass(const FrameRecord& record, size_t number);
+
+// The draws of a bound pass, each with its constants; `load` is what a drawing pass does with the target first.
+void recordDraws(const FrameRecord& record, const Pass& pass, VkAttachmentLoadOp load = VK_ATTACHMENT_LOAD_OP_LOAD);
+
+// What a pass needs of the one before it: skinned vertices, lists and commands, and after a drawing pass its depth, or
+// that nothing reads its lists and targets any more.
+void narrowBarrier(const Device& device, VkCommandBuffer commands, bool afterDispatch);
+
+}  // namespace skinbench::vulkan
