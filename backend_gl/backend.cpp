@@ -52,6 +52,7 @@ private:
     void bindFrame(const GlPlan& plan, size_t frame);
     double uploadSkinned(const GlBuffer& stream, const FrameInput& input);
     void recordFrame(const GlPlan& plan, size_t frame, bool timed);
+    void recordPasses(const GlPlan& plan, size_t frame, bool waits, const Pass* cleared);
     void recordOverlapped(const GlPlan& plan, size_t frame, bool timed);
     void countFrame(const GlPlan& plan, size_t frame, Timing& timing);
     Clock::duration recordBatch(const GlPlan& plan, std::span<const FrameInput> frames, RunMode mode,
@@ -344,21 +345,26 @@ void GlBackend::recordFrame(const GlPlan& plan, size_t frame, bool timed) {
     }
 }
 
+// All passes, the first one too behind what it needs if it `waits`. Each clears in its turn, but for `cleared`.
+void GlBackend::recordPasses(const GlPlan& plan, size_t frame, bool waits, const Pass* cleared) {
+    for (const Pass& pass : plan.shape.passes) {
+        if (waits)
+            glMemoryBarrier(GL_VERTEX_ATTRIB_ARRAY_BARRIER_BIT | GL_SHADER_STORAGE_BARRIER_BIT |
+                            GL_ELEMENT_ARRAY_BARRIER_BIT | GL_COMMAND_BARRIER_BIT);
+        beginPass(plan, pass, pass.clear && &pass != cleared);
+        issueDraws(plan, pass, frame);
+        waits = true;
+    }
+}
+
 void GlBackend::recordOverlapped(const GlPlan& plan, size_t frame, bool timed) {
     bindFrame(plan, frame);
     const GLuint* queries = timed ? &queries_[frame * 2] : nullptr;
-    const std::vector<Pass>& passes = plan.shape.passes;
     const Pass* const first = firstDrawing(plan.shape);
     if (first && first->clear) beginPass(plan, *first, true);
     glMemoryBarrier(GL_ALL_BARRIER_BITS);
     if (queries) timestamp(queries[0]);
-    for (size_t i = 0; i < passes.size(); ++i) {
-        if (i > 0)
-            glMemoryBarrier(GL_VERTEX_ATTRIB_ARRAY_BARRIER_BIT | GL_SHADER_STORAGE_BARRIER_BIT |
-                            GL_ELEMENT_ARRAY_BARRIER_BIT | GL_COMMAND_BARRIER_BIT);
-        beginPass(plan, passes[i], passes[i].clear && &passes[i] != first);
-        issueDraws(plan, passes[i], frame);
-    }
+    recordPasses(plan, frame, false, first);
     if (queries) timestamp(queries[1]);
     glMemoryBarrier(GL_ALL_BARRIER_BITS);
 }
@@ -404,11 +410,17 @@ void GlBackend::readTimes(size_t pairs, std::vector<Timing>& timings) {
 Clock::duration GlBackend::recordBatch(const GlPlan& plan, std::span<const FrameInput> frames, RunMode mode,
                                        std::vector<Timing>& timings) {
     const Stream* written = hostWrittenStream(plan.shape);
+    const bool together = runsTogether(plan.shape, mode);
     auto record = [&](size_t frame, bool timed) {
-        if (mode == RunMode::overlap)
-            recordOverlapped(plan, frame, timed);
-        else
-            recordFrame(plan, frame, timed);
+        if (mode == RunMode::timed) return recordFrame(plan, frame, timed);
+        if (!together) return recordOverlapped(plan, frame, timed);
+        if (timed && frame == 0) {
+            glMemoryBarrier(GL_ALL_BARRIER_BITS);
+            timestamp(queries_[0]);
+        }
+        bindFrame(plan, frame);
+        recordPasses(plan, frame, frame > 0, nullptr);
+        if (timed && frame + 1 == frames.size()) timestamp(queries_[1]);
     };
     if (mode != RunMode::counted && !written && !caps().software) record(0, false);
     Clock::duration spent{};
@@ -440,7 +452,7 @@ Result<std::vector<Timing>> GlBackend::run(PlanId id, std::span<const FrameInput
     GlTargets* targets = drawsImage(plan.shape) ? &targets_.at({plan.shape.width, plan.shape.height}) : nullptr;
     if (targets) targets->renderedBy = 0;
     bindStreams(plan);
-    const size_t pairs = counted ? 0 : mode == RunMode::overlap ? 1 : plan.shape.passes.size();
+    const size_t pairs = timesOfFrame(plan.shape, mode);
     needQueries(frames.size() * pairs * 2);
     const Clock::duration record = recordBatch(plan, frames, mode, timings);
     auto start = Clock::now();
@@ -448,7 +460,13 @@ Result<std::vector<Timing>> GlBackend::run(PlanId id, std::span<const FrameInput
     auto submit = Clock::now() - start;
     SKINBENCH_TRY(waitForDevice(frames.size()));
     SKINBENCH_TRY(checkGl(plan.shape.label, planBytes(plan.shape)));
-    readTimes(pairs, timings);
+    if (runsTogether(plan.shape, mode)) {
+        std::vector<Timing> all(1);
+        readTimes(1, all);
+        for (Timing& timing : timings) timing.passes = {all[0].passes[0] / static_cast<double>(frames.size())};
+    } else {
+        readTimes(pairs, timings);
+    }
     for (Timing& timing : timings) {
         timing.record = milliseconds(record) / static_cast<double>(frames.size());
         timing.submit = milliseconds(submit) / static_cast<double>(frames.size());

@@ -4,8 +4,8 @@
 #include <map>
 #include <utility>
 
+#include "backend_vulkan/batch.h"
 #include "backend_vulkan/counters.h"
-#include "backend_vulkan/record.h"
 
 namespace skinbench {
 
@@ -35,11 +35,11 @@ private:
     Result<void> needQueries(uint32_t count);
     uint64_t queriesDone(uint32_t count) const;
     Result<double> copySkinned(Plan& plan, std::span<const std::byte> skinned);
-    void timestamp(VkCommandBuffer commands, uint32_t query) const;
     template <class Measure>
     void recordPass(const FrameRecord& record, size_t number, const Measure& measure) const;
     void recordOverlapped(const FrameRecord& record, uint32_t query) const;
     Result<void> runBatch(const Plan& plan, size_t first, std::span<Timing> timings, RunMode mode);
+    Result<void> runTogether(const Plan& plan, std::span<Timing> timings);
     Result<void> countBatch(const Plan& plan, size_t first, std::span<Timing> timings);
     Result<void> readTimings(uint32_t pairs, std::span<Timing> timings);
 
@@ -47,6 +47,7 @@ private:
     VkPipelineCache pipelineCache_;
     VkQueryPool queries_ = VK_NULL_HANDLE;
     uint32_t queryCount_ = 0;
+    std::unique_ptr<TwoQueues> twoQueues_;  // null before the first batch over two queues
     FrameData frameData_;
     std::map<std::pair<uint32_t, uint32_t>, std::weak_ptr<Target>> targets_;
     std::map<PlanId, std::unique_ptr<Plan>> plans_;
@@ -56,6 +57,7 @@ private:
 VulkanBackend::~VulkanBackend() {
     if (!device_->hung) device_->vk.vkDeviceWaitIdle(device_->handle);
     plans_.clear();
+    twoQueues_.reset();
     destroy(*device_, frameData_.buffer);
     if (!device_->hung) device_->vk.vkDestroyQueryPool(device_->handle, queries_, nullptr);
     closePipelineCache(*device_, pipelineCache_);
@@ -112,7 +114,7 @@ uint64_t VulkanBackend::queriesDone(uint32_t count) const {
 }
 
 Result<double> VulkanBackend::copySkinned(Plan& plan, std::span<const std::byte> skinned) {
-    const Buffer& stream = plan.streams[*plan.hostWritten];
+    const Buffer& stream = bufferOf(plan, *plan.hostWritten, 0);
     const auto start = Clock::now();
     std::ranges::copy(skinned, plan.hostStaging.mapped);
     SKINBENCH_TRY(flush(*device_, plan.hostStaging));
@@ -124,14 +126,6 @@ Result<double> VulkanBackend::copySkinned(Plan& plan, std::span<const std::byte>
     SKINBENCH_TRY(endCommands(*device_));
     SKINBENCH_TRY(submitAndWait(*device_));
     return elapsedMs(start);
-}
-
-// Mesa's software driver puts a timestamp into the queue of tiles that a barrier empties, and runs the geometry stages
-// before that queue. So the queue is empty on both sides; a GPU gets no barrier here.
-void VulkanBackend::timestamp(VkCommandBuffer commands, uint32_t query) const {
-    if (device_->caps.software) fullBarrier(*device_, commands);
-    device_->vk.vkCmdWriteTimestamp2(commands, VK_PIPELINE_STAGE_2_ALL_COMMANDS_BIT, queries_, query);
-    if (device_->caps.software) fullBarrier(*device_, commands);
 }
 
 // measure(0) and measure(1) record what comes right before and right after the draws.
@@ -148,25 +142,18 @@ void VulkanBackend::recordPass(const FrameRecord& record, size_t number, const M
 }
 
 void VulkanBackend::recordOverlapped(const FrameRecord& record, uint32_t query) const {
-    const std::vector<Pass>& passes = record.plan.shape.passes;
     const Pass* const first = firstDrawing(record.plan.shape);
     if (first && first->clear) clearTarget(record);
     fullBarrier(*device_, record.commands);
-    timestamp(record.commands, query);
-    for (size_t number = 0; number < passes.size(); ++number) {
-        const Pass& pass = passes[number];
-        if (number > 0) narrowBarrier(*device_, record.commands, passes[number - 1].kind == PassKind::dispatch);
-        bindPass(record, number);
-        const bool clears = pass.clear && &pass != first;
-        recordDraws(record, pass, clears ? VK_ATTACHMENT_LOAD_OP_CLEAR : VK_ATTACHMENT_LOAD_OP_LOAD);
-    }
-    timestamp(record.commands, query + 1);
+    writeTimestamp(*device_, record.commands, queries_, query);
+    recordPasses(record, 0, record.plan.shape.passes.size(), nullptr, first);
+    writeTimestamp(*device_, record.commands, queries_, query + 1);
     fullBarrier(*device_, record.commands);
 }
 
 Result<void> VulkanBackend::runBatch(const Plan& plan, size_t first, std::span<Timing> timings, RunMode mode) {
     const uint32_t passes = static_cast<uint32_t>(plan.shape.passes.size());
-    const uint32_t pairs = mode == RunMode::overlap ? 1 : passes;
+    const auto pairs = static_cast<uint32_t>(timesOfFrame(plan.shape, mode));
     const uint32_t count = static_cast<uint32_t>(timings.size()) * pairs * 2;
     SKINBENCH_TRY(needQueries(count));
     const auto start = Clock::now();
@@ -177,9 +164,11 @@ Result<void> VulkanBackend::runBatch(const Plan& plan, size_t first, std::span<T
     for (uint32_t i = 0; i < timings.size(); ++i) {
         const FrameRecord record{plan, frameData_, *commands, first + i};
         bindFrame(record);
-        if (mode == RunMode::overlap) recordOverlapped(record, i * 2);
+        if (mode != RunMode::timed) recordOverlapped(record, i * 2);
         for (uint32_t pass = 0; pass < passes && mode == RunMode::timed; ++pass)
-            recordPass(record, pass, [&](uint32_t end) { timestamp(*commands, (i * passes + pass) * 2 + end); });
+            recordPass(record, pass, [&](uint32_t end) {
+                writeTimestamp(*device_, *commands, queries_, (i * passes + pass) * 2 + end);
+            });
     }
     SKINBENCH_TRY(endCommands(*device_));
     const double record = elapsedMs(start);
@@ -190,6 +179,43 @@ Result<void> VulkanBackend::runBatch(const Plan& plan, size_t first, std::span<T
         timing.submit = *submit / static_cast<double>(timings.size());
     }
     return readTimings(pairs, timings);
+}
+
+// RunMode::batch.
+Result<void> VulkanBackend::runTogether(const Plan& plan, std::span<Timing> timings) {
+    const auto count = static_cast<uint32_t>(2 + timings.size());
+    SKINBENCH_TRY(needQueries(count));
+    HostTimes host;
+    if (plan.shape.passesAhead) {
+        if (!twoQueues_) {
+            auto opened = openTwoQueues(*device_);
+            SKINBENCH_TRY(opened);
+            twoQueues_ = std::move(*opened);
+        }
+        auto times = runOverTwoQueues(*twoQueues_, plan, frameData_, timings.size(), queries_);
+        SKINBENCH_TRY(times);
+        host = *times;
+    } else {
+        const auto start = Clock::now();
+        auto commands = beginCommands(*device_);
+        SKINBENCH_TRY(commands);
+        device_->vk.vkCmdResetQueryPool(*commands, queries_, 0, count);
+        fullBarrier(*device_, *commands);
+        recordBatch(plan, frameData_, *commands, timings.size(), queries_);
+        SKINBENCH_TRY(endCommands(*device_));
+        host.record = elapsedMs(start);
+        auto submit = submitAndWait(*device_, [&] { return queriesDone(count); });
+        SKINBENCH_TRY(submit);
+        host.submit = *submit;
+    }
+    const auto frames = static_cast<double>(timings.size());
+    Timing one;
+    SKINBENCH_TRY(readTimings(1, std::span(&one, 1)));
+    for (double& milliseconds : one.passes) milliseconds /= frames;
+    one.record = host.record / frames;
+    one.submit = host.submit / frames;
+    std::ranges::fill(timings, one);
+    return {};
 }
 
 Result<void> VulkanBackend::countBatch(const Plan& plan, size_t first, std::span<Timing> timings) {
@@ -246,9 +272,14 @@ Result<std::vector<Timing>> VulkanBackend::run(PlanId id, std::span<const FrameI
     if (frames.empty() || (mode == RunMode::counted && !caps().pipelineStatistics)) return timings;
     SKINBENCH_TRY(uploadFrames(*device_, frameData_, plan, frames));
     if (plan.target) plan.target->lastPlan = id;
+    plan.lastTurn = (frames.size() - 1) % plan.turns.size();
     auto batch = [&](size_t first, std::span<Timing> of) {
         return mode == RunMode::counted ? countBatch(plan, first, of) : runBatch(plan, first, of, mode);
     };
+    if (runsTogether(plan.shape, mode)) {
+        SKINBENCH_TRY(runTogether(plan, timings));
+        return timings;
+    }
     if (!plan.hostWritten) {
         SKINBENCH_TRY(batch(0, timings));
         return timings;
@@ -275,7 +306,8 @@ Result<std::vector<std::byte>> VulkanBackend::readStream(PlanId id, uint32_t slo
     SKINBENCH_TRY(plan);
     auto number = streamOfSlot((*plan)->shape, slot);
     SKINBENCH_TRY(number);
-    return download(*device_, (*plan)->streams[*number], streamBytes((*plan)->shape.streams[*number]));
+    return download(*device_, bufferOf(**plan, *number, (*plan)->lastTurn),
+                    streamBytes((*plan)->shape.streams[*number]));
 }
 
 std::vector<std::string> VulkanBackend::takeMessages() {

@@ -13,13 +13,15 @@ namespace {
 struct Features {
     VkPhysicalDeviceFeatures2 core{VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_FEATURES_2};
     VkPhysicalDeviceVulkan11Features v11{VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_VULKAN_1_1_FEATURES};
+    VkPhysicalDeviceVulkan12Features v12{VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_VULKAN_1_2_FEATURES};
     VkPhysicalDeviceVulkan13Features v13{VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_VULKAN_1_3_FEATURES};
     VkPhysicalDeviceMeshShaderFeaturesEXT ext{VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_MESH_SHADER_FEATURES_EXT};
     VkPhysicalDeviceMeshShaderFeaturesNV nv{VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_MESH_SHADER_FEATURES_NV};
 
     Features(bool withExt, bool withNv) {
         core.pNext = &v11;
-        v11.pNext = &v13;
+        v11.pNext = &v12;
+        v12.pNext = &v13;
         void** end = &v13.pNext;
         if (withExt) *end = &ext, end = &ext.pNext;
         if (withNv) *end = &nv;
@@ -34,6 +36,7 @@ void chooseFeatures(VkPhysicalDevice physical, Features& enabled, bool withExt, 
     enabled.core.features.vertexPipelineStoresAndAtomics = offered.core.features.vertexPipelineStoresAndAtomics;
     enabled.core.features.fragmentStoresAndAtomics = offered.core.features.fragmentStoresAndAtomics;
     enabled.v11.shaderDrawParameters = offered.v11.shaderDrawParameters;
+    enabled.v12.timelineSemaphore = VK_TRUE;
     enabled.v13.dynamicRendering = VK_TRUE;
     enabled.v13.synchronization2 = VK_TRUE;
     enabled.v13.maintenance4 = VK_TRUE;
@@ -62,14 +65,19 @@ VkResult createDevice(Device& device, bool withExt, bool withNv) {
         extensions.push_back(VK_EXT_MEMORY_BUDGET_EXTENSION_NAME);
 
     const float priority = 1;
-    VkDeviceQueueCreateInfo queue{VK_STRUCTURE_TYPE_DEVICE_QUEUE_CREATE_INFO};
-    queue.queueFamilyIndex = *device.adapter.queueFamily;
-    queue.queueCount = 1;
-    queue.pQueuePriorities = &priority;
+    std::vector<VkDeviceQueueCreateInfo> queues;
+    for (const std::optional<uint32_t>& family : {device.adapter.queueFamily, device.adapter.secondFamily}) {
+        if (!family) continue;
+        VkDeviceQueueCreateInfo& queue = queues.emplace_back();
+        queue.sType = VK_STRUCTURE_TYPE_DEVICE_QUEUE_CREATE_INFO;
+        queue.queueFamilyIndex = *family;
+        queue.queueCount = 1;
+        queue.pQueuePriorities = &priority;
+    }
     VkDeviceCreateInfo info{VK_STRUCTURE_TYPE_DEVICE_CREATE_INFO};
     info.pNext = &features.core;
-    info.queueCreateInfoCount = 1;
-    info.pQueueCreateInfos = &queue;
+    info.queueCreateInfoCount = static_cast<uint32_t>(queues.size());
+    info.pQueueCreateInfos = queues.data();
     info.enabledExtensionCount = static_cast<uint32_t>(extensions.size());
     info.ppEnabledExtensionNames = extensions.data();
     VkResult result = vkCreateDevice(device.adapter.handle, &info, nullptr, &device.handle);
@@ -164,6 +172,8 @@ Result<std::unique_ptr<Device>> openDevice(const BackendOptions& options) {
             std::format("{}: the driver could not open the device: {}", device->caps.name, resultName(result)));
     volkLoadDeviceTable(&device->vk, device->handle);
     device->vk.vkGetDeviceQueue(device->handle, *device->adapter.queueFamily, 0, &device->queue);
+    if (device->adapter.secondFamily)
+        device->vk.vkGetDeviceQueue(device->handle, *device->adapter.secondFamily, 0, &device->secondQueue);
 
     device->stages = VK_SHADER_STAGE_VERTEX_BIT | VK_SHADER_STAGE_FRAGMENT_BIT | VK_SHADER_STAGE_COMPUTE_BIT;
     if (ext || nv) device->stages |= VK_SHADER_STAGE_MESH_BIT_EXT;
@@ -207,8 +217,13 @@ Result<double> submitAndWait(Device& device, const std::function<uint64_t()>& pr
     VkResult result = device.vk.vkQueueSubmit2(device.queue, 1, &info, device.fence);
     const double milliseconds = elapsedMs(start);
     SKINBENCH_TRY(check(device, result, "submit the commands"));
+    SKINBENCH_TRY(waitForFence(device, progress));
+    return milliseconds;
+}
 
+Result<void> waitForFence(Device& device, const std::function<uint64_t()>& progress) {
     uint64_t done = 0;
+    VkResult result = VK_SUCCESS;
     for (;;) {
         result = device.vk.vkWaitForFences(device.handle, 1, &device.fence, VK_TRUE, kWatchdogSeconds * 1'000'000'000);
         if (result != VK_TIMEOUT) break;
@@ -224,8 +239,7 @@ Result<double> submitAndWait(Device& device, const std::function<uint64_t()>& pr
         done = now;
     }
     if (result != VK_SUCCESS && result != VK_ERROR_DEVICE_LOST) device.vk.vkDeviceWaitIdle(device.handle);
-    SKINBENCH_TRY(check(device, result, "finish the submitted commands"));
-    return milliseconds;
+    return check(device, result, "finish the submitted commands");
 }
 
 void fullBarrier(const Device& device, VkCommandBuffer commands) {

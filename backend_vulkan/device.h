@@ -29,7 +29,8 @@ struct Device {
     VkDevice handle = VK_NULL_HANDLE;
     VolkDeviceTable vk{};
     VkQueue queue = VK_NULL_HANDLE;
-    VkShaderStageFlags stages = 0;  // every stage that a pipeline may have
+    VkQueue secondQueue = VK_NULL_HANDLE;  // null: DeviceCaps::secondQueue
+    VkShaderStageFlags stages = 0;         // every stage that a pipeline may have
     VmaAllocator allocator = VK_NULL_HANDLE;
     VkCommandPool pool = VK_NULL_HANDLE;
     VkCommandBuffer commands = VK_NULL_HANDLE;
@@ -60,6 +61,9 @@ Result<void> endCommands(Device& device);
 // within kWatchdogSeconds, and whose `progress` does not grow either, makes the device a lost one.
 inline constexpr uint64_t kWatchdogSeconds = 120;
 Result<double> submitAndWait(Device& device, const std::function<uint64_t()>& progress = {});
+
+// The second half of it: waits for what was submitted with the device's fence.
+Result<void> waitForFence(Device& device, const std::function<uint64_t()>& progress);
 
 // Everything that the device did before it happens before everything that the device does after it.
 void fullBarrier(const Device& device, VkCommandBuffer commands);

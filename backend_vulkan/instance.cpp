@@ -88,6 +88,13 @@ void fillQueue(Adapter& adapter) {
         adapter.queueFamily = i;
         adapter.caps.timestampBits = families[i].timestampValidBits;
     }
+    for (uint32_t i = 0; i < count; ++i) {
+        if (i == adapter.queueFamily || !(families[i].queueFlags & VK_QUEUE_COMPUTE_BIT)) continue;
+        const bool alone = !(families[i].queueFlags & VK_QUEUE_GRAPHICS_BIT);
+        if (!adapter.secondFamily || alone) adapter.secondFamily = i;
+        if (alone) break;
+    }
+    adapter.caps.secondQueue = adapter.queueFamily && adapter.secondFamily;
 }
 
 void fillMemory(Adapter& adapter) {

@@ -33,7 +33,8 @@ struct Instance {
 struct Adapter {
     VkPhysicalDevice handle = VK_NULL_HANDLE;
     uint32_t apiVersion = 0;
-    std::optional<uint32_t> queueFamily;  // the first with graphics and compute
+    std::optional<uint32_t> queueFamily;   // the first with graphics and compute
+    std::optional<uint32_t> secondFamily;  // the first with compute and without graphics, else another one with compute
     VkPhysicalDeviceProperties properties{};
     DeviceCaps caps;
 };

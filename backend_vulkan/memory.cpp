@@ -124,10 +124,17 @@ Result<void> createAttachment(Target& target, VkFormat format, VkImageUsageFlags
 // times on an H200, which asks for 16 (docs/studies/alignment.md).
 constexpr VkDeviceSize kBufferAlignment = 256;
 
-VkResult tryCreateBuffer(Device& device, uint64_t bytes, VkBufferUsageFlags usage, Memory memory, Buffer& buffer) {
+VkResult tryCreateBuffer(Device& device, uint64_t bytes, VkBufferUsageFlags usage, Memory memory, Buffer& buffer,
+                         bool shared) {
+    const std::array families{device.adapter.queueFamily.value_or(0), device.adapter.secondFamily.value_or(0)};
     VkBufferCreateInfo info{VK_STRUCTURE_TYPE_BUFFER_CREATE_INFO};
     info.size = std::max<uint64_t>((bytes + 3) / 4 * 4, 16);
     info.usage = usage;
+    if (shared) {
+        info.sharingMode = VK_SHARING_MODE_CONCURRENT;
+        info.queueFamilyIndexCount = static_cast<uint32_t>(families.size());
+        info.pQueueFamilyIndices = families.data();
+    }
     VmaAllocationCreateInfo allocation = allocationInfo(memory);
     VmaAllocationInfo made{};
     VkResult result = vmaCreateBufferWithAlignment(device.allocator, &info, &allocation, kBufferAlignment,
@@ -147,8 +154,8 @@ void destroy(Device& device, Buffer& buffer) {
 }
 
 Result<void> createBuffer(Device& device, uint64_t bytes, VkBufferUsageFlags usage, Memory memory, Buffer& buffer,
-                          const Who& who) {
-    const VkResult result = tryCreateBuffer(device, bytes, usage, memory, buffer);
+                          const Who& who, bool shared) {
+    const VkResult result = tryCreateBuffer(device, bytes, usage, memory, buffer, shared);
     if (result != VK_SUCCESS) return memoryError(device, who(), bytes, result);
     return {};
 }

@@ -14,14 +14,16 @@ enum class Memory {
     download,      // read by the host
 };
 
-// At least 16 bytes, rounded up to whole words. `mapped` is set for all but Memory::device.
-VkResult tryCreateBuffer(Device& device, uint64_t bytes, VkBufferUsageFlags usage, Memory memory, Buffer& buffer);
+// At least 16 bytes, rounded up to whole words. `mapped` is set for all but Memory::device. Only `shared` buffers may
+// be read and written by both queues.
+VkResult tryCreateBuffer(Device& device, uint64_t bytes, VkBufferUsageFlags usage, Memory memory, Buffer& buffer,
+                         bool shared = false);
 void destroy(Device& device, Buffer& buffer);
 
 // The same with an error, "<who> needs 812 MiB of device memory, …" where there is not enough.
 using Who = std::function<std::string()>;
 Result<void> createBuffer(Device& device, uint64_t bytes, VkBufferUsageFlags usage, Memory memory, Buffer& buffer,
-                          const Who& who);
+                          const Who& who, bool shared = false);
 
 // Copies `bytes` bytes to the start of the buffer in chunks; `fill` writes the chunk that begins at byte `from`.
 using Fill = std::function<void(std::span<std::byte> chunk, uint64_t from)>;

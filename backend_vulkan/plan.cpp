@@ -30,30 +30,37 @@ Result<void> allocateStream(Plan& plan, const Stream& source) {
     if (source.use & useIndices) usage |= VK_BUFFER_USAGE_INDEX_BUFFER_BIT;
     if (source.use & useIndirect) usage |= VK_BUFFER_USAGE_INDIRECT_BUFFER_BIT;
     const uint64_t bytes = streamBytes(source);
-    Buffer& buffer = plan.streams.emplace_back();
-    SKINBENCH_TRY(createBuffer(device, bytes, usage, Memory::device, buffer, [&] {
+    auto who = [&] {
         return std::format("{}: slot {} ({} MiB with all streams)", plan.shape.label, source.slot,
                            planBytes(plan.shape) >> 20);
-    }));
-    if (source.use & useIndices) plan.indexBuffer = buffer.handle;
-    if (source.use & useIndirect) plan.commandBuffer = buffer.handle;
+    };
+    for (size_t turn = 0; turn < 2; ++turn) {
+        Buffer& buffer = plan.streams[turn].emplace_back();
+        if (turn == 0 || source.inTurn)
+            SKINBENCH_TRY(createBuffer(device, bytes, usage, Memory::device, buffer, who, plan.shape.passesAhead > 0));
+        const VkBuffer seen = bufferOf(plan, plan.streams[turn].size() - 1, turn).handle;
+        if (source.use & useIndices) plan.turns[turn].indexBuffer = seen;
+        if (source.use & useIndirect) plan.turns[turn].commandBuffer = seen;
+    }
     if (!source.hostWritten) return {};
-    plan.hostWritten = plan.streams.size() - 1;
+    plan.hostWritten = plan.streams[0].size() - 1;
     return createBuffer(device, bytes, VK_BUFFER_USAGE_TRANSFER_SRC_BIT, Memory::upload, plan.hostStaging,
                         [&] { return plan.shape.label + ": the host's copy of the skinned vertices"; });
+}
+
+Result<void> fillStream(Device& device, const Buffer& target, const Stream& from) {
+    if (!from.bytes || target.bytes != streamBytes(from)) SKINBENCH_TRY(fillZero(device, target));
+    if (!from.bytes) return {};
+    return upload(device, target, streamBytes(from),
+                  [&](std::span<std::byte> chunk, uint64_t start) { copyReplicas(from, start, chunk); });
 }
 
 // All memory is taken before the first byte travels: a plan that does not fit fails at once.
 Result<void> makeStreams(Plan& plan, const FramePlan& source) {
     for (const Stream& stream : source.streams) SKINBENCH_TRY(allocateStream(plan, stream));
-    for (size_t i = 0; i < plan.streams.size(); ++i) {
-        const Buffer& target = plan.streams[i];
-        const Stream& from = source.streams[i];
-        if (!from.bytes || target.bytes != streamBytes(from)) SKINBENCH_TRY(fillZero(plan.device, target));
-        if (!from.bytes) continue;
-        SKINBENCH_TRY(upload(plan.device, target, streamBytes(from),
-                             [&](std::span<std::byte> chunk, uint64_t start) { copyReplicas(from, start, chunk); }));
-    }
+    for (const std::vector<Buffer>& buffers : plan.streams)
+        for (size_t i = 0; i < buffers.size(); ++i)
+            if (buffers[i].handle) SKINBENCH_TRY(fillStream(plan.device, buffers[i], source.streams[i]));
     return {};
 }
 
@@ -79,10 +86,11 @@ Result<void> makeLayout(Plan& plan, const FramePlan& source) {
                  "create a pipeline layout");
 }
 
-void writeDescriptor(const Plan& plan, uint32_t slot, VkDescriptorType type, VkBuffer buffer, VkDeviceSize range) {
+void writeDescriptor(const Plan& plan, size_t turn, uint32_t slot, VkDescriptorType type, VkBuffer buffer,
+                     VkDeviceSize range) {
     const VkDescriptorBufferInfo info{buffer, 0, range};
     VkWriteDescriptorSet write{VK_STRUCTURE_TYPE_WRITE_DESCRIPTOR_SET};
-    write.dstSet = plan.descriptors;
+    write.dstSet = plan.turns[turn].descriptors;
     write.dstBinding = slot;
     write.descriptorCount = 1;
     write.descriptorType = type;
@@ -92,12 +100,13 @@ void writeDescriptor(const Plan& plan, uint32_t slot, VkDescriptorType type, VkB
 
 Result<void> makeDescriptors(Plan& plan, const FramePlan& source) {
     Device& device = plan.device;
-    const std::array<VkDescriptorPoolSize, 4> sizes{{{VK_DESCRIPTOR_TYPE_UNIFORM_BUFFER_DYNAMIC, 2},
-                                                     {VK_DESCRIPTOR_TYPE_STORAGE_BUFFER_DYNAMIC, 1},
-                                                     {VK_DESCRIPTOR_TYPE_UNIFORM_BUFFER, SLOT_COUNT},
-                                                     {VK_DESCRIPTOR_TYPE_STORAGE_BUFFER, SLOT_COUNT}}};
+    constexpr uint32_t turns = std::tuple_size_v<decltype(plan.turns)>;
+    const std::array<VkDescriptorPoolSize, 4> sizes{{{VK_DESCRIPTOR_TYPE_UNIFORM_BUFFER_DYNAMIC, turns * 2},
+                                                     {VK_DESCRIPTOR_TYPE_STORAGE_BUFFER_DYNAMIC, turns},
+                                                     {VK_DESCRIPTOR_TYPE_UNIFORM_BUFFER, turns * SLOT_COUNT},
+                                                     {VK_DESCRIPTOR_TYPE_STORAGE_BUFFER, turns * SLOT_COUNT}}};
     VkDescriptorPoolCreateInfo pool{VK_STRUCTURE_TYPE_DESCRIPTOR_POOL_CREATE_INFO};
-    pool.maxSets = 1;
+    pool.maxSets = turns;
     pool.poolSizeCount = static_cast<uint32_t>(sizes.size());
     pool.pPoolSizes = sizes.data();
     SKINBENCH_TRY(check(device, device.vk.vkCreateDescriptorPool(device.handle, &pool, nullptr, &plan.descriptorPool),
@@ -106,11 +115,15 @@ Result<void> makeDescriptors(Plan& plan, const FramePlan& source) {
     set.descriptorPool = plan.descriptorPool;
     set.descriptorSetCount = 1;
     set.pSetLayouts = &plan.setLayout;
-    SKINBENCH_TRY(check(device, device.vk.vkAllocateDescriptorSets(device.handle, &set, &plan.descriptors),
-                        "create descriptors"));
-    for (size_t i = 0; i < source.streams.size(); ++i)
-        if (const Stream& stream = source.streams[i]; isBound(stream))
-            writeDescriptor(plan, stream.slot, descriptorType(stream.use), plan.streams[i].handle, VK_WHOLE_SIZE);
+    for (size_t turn = 0; turn < turns; ++turn) {
+        SKINBENCH_TRY(check(device,
+                            device.vk.vkAllocateDescriptorSets(device.handle, &set, &plan.turns[turn].descriptors),
+                            "create descriptors"));
+        for (size_t i = 0; i < source.streams.size(); ++i)
+            if (const Stream& stream = source.streams[i]; isBound(stream))
+                writeDescriptor(plan, turn, stream.slot, descriptorType(stream.use), bufferOf(plan, i, turn).handle,
+                                VK_WHOLE_SIZE);
+    }
     return {};
 }
 
@@ -121,8 +134,9 @@ Result<void> makePipelines(Plan& plan, VkPipelineCache cache, const FramePlan& s
         if (!pipeline) return errorAt(plan.shape.label, pipeline.error());
         plan.pipelines.push_back(*pipeline);
         const bool fed = pass.kind == PassKind::drawIndexed && !program.attributes.empty();
-        plan.vertexBuffers.push_back(fed ? plan.streams[*streamOfSlot(source, program.attributeSlot)].handle
-                                         : VK_NULL_HANDLE);
+        for (size_t turn = 0; turn < plan.turns.size(); ++turn)
+            plan.turns[turn].vertexBuffers.push_back(
+                fed ? bufferOf(plan, *streamOfSlot(source, program.attributeSlot), turn).handle : VK_NULL_HANDLE);
     }
     return {};
 }
@@ -130,13 +144,18 @@ Result<void> makePipelines(Plan& plan, VkPipelineCache cache, const FramePlan& s
 }  // namespace
 
 Plan::~Plan() {
-    for (Buffer& stream : streams) destroy(device, stream);
+    for (std::vector<Buffer>& buffers : streams)
+        for (Buffer& stream : buffers) destroy(device, stream);
     destroy(device, hostStaging);
     if (device.hung) return;
     for (VkPipeline pipeline : pipelines) device.vk.vkDestroyPipeline(device.handle, pipeline, nullptr);
     device.vk.vkDestroyPipelineLayout(device.handle, layout, nullptr);
     device.vk.vkDestroyDescriptorPool(device.handle, descriptorPool, nullptr);
     device.vk.vkDestroyDescriptorSetLayout(device.handle, setLayout, nullptr);
+}
+
+const Buffer& bufferOf(const Plan& plan, size_t number, size_t turn) {
+    return plan.streams[plan.shape.streams[number].inTurn ? turn : 0][number];
 }
 
 uint64_t paletteRange(const Plan& plan) {
@@ -160,7 +179,8 @@ Result<std::unique_ptr<Plan>> makePlanObjects(Device& device, VkPipelineCache ca
 }
 
 static Result<void> growFrameData(Device& device, FrameData& data, const Plan& plan, uint64_t bytes) {
-    if (data.buffer.bytes >= bytes && data.buffer.handle) return {};
+    const bool shared = data.shared || plan.shape.passesAhead > 0;
+    if (data.buffer.bytes >= bytes && data.buffer.handle && data.shared == shared) return {};
     const uint64_t limit = std::min<uint64_t>(device.caps.maxBufferBytes, UINT32_MAX);  // dynamic offsets: 32 bits
     if (bytes > limit)
         return deviceError(
@@ -168,19 +188,23 @@ static Result<void> growFrameData(Device& device, FrameData& data, const Plan& p
                         "render fewer frames at once",
                         plan.shape.label, bytes, device.caps.name, limit));
     destroy(device, data.buffer);
+    data.shared = shared;
     ++data.version;
     const VkBufferUsageFlags usage =
         VK_BUFFER_USAGE_STORAGE_BUFFER_BIT | VK_BUFFER_USAGE_UNIFORM_BUFFER_BIT | VK_BUFFER_USAGE_TRANSFER_DST_BIT;
-    if (tryCreateBuffer(device, bytes, usage, Memory::deviceMapped, data.buffer) == VK_SUCCESS) return {};
-    return createBuffer(device, bytes, usage, Memory::device, data.buffer,
-                        [&] { return plan.shape.label + ": the palettes of the batch"; });
+    if (tryCreateBuffer(device, bytes, usage, Memory::deviceMapped, data.buffer, shared) == VK_SUCCESS) return {};
+    return createBuffer(
+        device, bytes, usage, Memory::device, data.buffer,
+        [&] { return plan.shape.label + ": the palettes of the batch"; }, shared);
 }
 
 static void pointDescriptors(const FrameData& data, Plan& plan) {
     if (plan.frameDataVersion == data.version) return;
-    writeDescriptor(plan, SLOT_FRAME, VK_DESCRIPTOR_TYPE_UNIFORM_BUFFER_DYNAMIC, data.buffer.handle,
-                    sizeof(FrameConstants));
-    writeDescriptor(plan, SLOT_PALETTE, paletteType(plan), data.buffer.handle, paletteRange(plan));
+    for (size_t turn = 0; turn < plan.turns.size(); ++turn) {
+        writeDescriptor(plan, turn, SLOT_FRAME, VK_DESCRIPTOR_TYPE_UNIFORM_BUFFER_DYNAMIC, data.buffer.handle,
+                        sizeof(FrameConstants));
+        writeDescriptor(plan, turn, SLOT_PALETTE, paletteType(plan), data.buffer.handle, paletteRange(plan));
+    }
     plan.frameDataVersion = data.version;
 }
 

@@ -7,19 +7,26 @@
 
 namespace skinbench::vulkan {
 
-struct Plan {
-    Device& device;
-    FramePlan shape;
-    std::vector<Buffer> streams;          // one for each of the shape's
-    std::vector<VkPipeline> pipelines;    // one a pass
+// The streams as a frame sees them.
+struct Bound {
+    VkDescriptorSet descriptors = VK_NULL_HANDLE;
     std::vector<VkBuffer> vertexBuffers;  // one a pass; null: the pass has no attributes
     VkBuffer indexBuffer = VK_NULL_HANDLE;
     VkBuffer commandBuffer = VK_NULL_HANDLE;  // of indirect draws
-    std::optional<size_t> hostWritten;  // into streams
-    Buffer hostStaging;                 // of its size
+};
+
+struct Plan {
+    Device& device;
+    FramePlan shape;
+    std::array<std::vector<Buffer>, 2> streams;  // each has one for each of the shape's; the second ones of those that
+                                                 // are not in turn are empty
+    std::array<Bound, 2> turns;                  // frames 0, 2, 4, … of a batch, and the others
+    size_t lastTurn = 0;                         // of the last frame that ran
+    std::vector<VkPipeline> pipelines;           // one a pass
+    std::optional<size_t> hostWritten;           // into streams
+    Buffer hostStaging;                          // of its size
     VkDescriptorSetLayout setLayout = VK_NULL_HANDLE;
     VkDescriptorPool descriptorPool = VK_NULL_HANDLE;
-    VkDescriptorSet descriptors = VK_NULL_HANDLE;
     VkPipelineLayout layout = VK_NULL_HANDLE;
     std::shared_ptr<Target> target;  // null: no pass draws
     uint64_t frameDataVersion = 0;   // the FrameData that the descriptors point to
@@ -29,9 +36,13 @@ struct Plan {
     ~Plan();
 };
 
+// The buffer that a frame of that turn sees of stream `number`.
+const Buffer& bufferOf(const Plan& plan, size_t number, size_t turn);
+
 // Constants and palettes of all frames of a batch, shared by all plans: constants first, then palettes.
 struct FrameData {
     Buffer buffer;
+    bool shared = false;   // by both queues
     uint64_t version = 0;  // counts the buffers that there were
     uint64_t constantsStride = 0;
     uint64_t paletteStart = 0;

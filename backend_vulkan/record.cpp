@@ -6,9 +6,11 @@ void bindFrame(const FrameRecord& record, uint64_t paletteOffset) {
     const std::array offsets{
         static_cast<uint32_t>(record.data.constantsStride * record.frame),
         static_cast<uint32_t>(record.data.paletteStart + record.data.paletteStride * record.frame + paletteOffset)};
-    for (VkPipelineBindPoint point : {VK_PIPELINE_BIND_POINT_GRAPHICS, VK_PIPELINE_BIND_POINT_COMPUTE})
+    for (VkPipelineBindPoint point : {VK_PIPELINE_BIND_POINT_GRAPHICS, VK_PIPELINE_BIND_POINT_COMPUTE}) {
+        if (record.secondQueue && point == VK_PIPELINE_BIND_POINT_GRAPHICS) continue;
         record.plan.device.vk.vkCmdBindDescriptorSets(record.commands, point, record.plan.layout, 0, 1,
-                                                      &record.plan.descriptors, 2, offsets.data());
+                                                      &record.bound().descriptors, 2, offsets.data());
+    }
 }
 
 void bindPass(const FrameRecord& record, size_t number) {
@@ -33,9 +35,9 @@ void bindPass(const FrameRecord& record, size_t number) {
     vk.vkCmdSetDepthWriteEnable(record.commands, !never && !keep);
     if (pass.kind != PassKind::drawIndexed) return;
     const VkDeviceSize start = 0;
-    if (record.plan.vertexBuffers[number])
-        vk.vkCmdBindVertexBuffers(record.commands, 0, 1, &record.plan.vertexBuffers[number], &start);
-    vk.vkCmdBindIndexBuffer(record.commands, record.plan.indexBuffer, 0, VK_INDEX_TYPE_UINT32);
+    if (record.bound().vertexBuffers[number])
+        vk.vkCmdBindVertexBuffers(record.commands, 0, 1, &record.bound().vertexBuffers[number], &start);
+    vk.vkCmdBindIndexBuffer(record.commands, record.bound().indexBuffer, 0, VK_INDEX_TYPE_UINT32);
 }
 
 void clearTarget(const FrameRecord& record) {
@@ -47,13 +49,13 @@ static void recordIndirect(const FrameRecord& record, PassKind kind, uint32_t co
     const VolkDeviceTable& vk = record.plan.device.vk;
     const VkDeviceSize offset = VkDeviceSize{command} * sizeof(DrawCommand);
     if (kind == PassKind::dispatch)
-        vk.vkCmdDispatchIndirect(record.commands, record.plan.commandBuffer, offset);
+        vk.vkCmdDispatchIndirect(record.commands, record.bound().commandBuffer, offset);
     else if (kind == PassKind::drawIndexed)
-        vk.vkCmdDrawIndexedIndirect(record.commands, record.plan.commandBuffer, offset, 1, sizeof(DrawCommand));
+        vk.vkCmdDrawIndexedIndirect(record.commands, record.bound().commandBuffer, offset, 1, sizeof(DrawCommand));
     else if (record.plan.shape.dialect == MeshDialect::nv)
-        vk.vkCmdDrawMeshTasksIndirectNV(record.commands, record.plan.commandBuffer, offset, 1, sizeof(DrawCommand));
+        vk.vkCmdDrawMeshTasksIndirectNV(record.commands, record.bound().commandBuffer, offset, 1, sizeof(DrawCommand));
     else
-        vk.vkCmdDrawMeshTasksIndirectEXT(record.commands, record.plan.commandBuffer, offset, 1, sizeof(DrawCommand));
+        vk.vkCmdDrawMeshTasksIndirectEXT(record.commands, record.bound().commandBuffer, offset, 1, sizeof(DrawCommand));
 }
 
 void recordDraws(const FrameRecord& record, const Pass& pass, VkAttachmentLoadOp load) {
@@ -76,6 +78,24 @@ void recordDraws(const FrameRecord& record, const Pass& pass, VkAttachmentLoadOp
             vk.vkCmdDrawMeshTasksEXT(record.commands, draw.count, 1, 1);
     }
     if (draws) vk.vkCmdEndRendering(record.commands);
+}
+
+const Pass* recordPasses(const FrameRecord& record, size_t from, size_t to, const Pass* before, const Pass* cleared) {
+    for (size_t number = from; number < to; ++number) {
+        const Pass& pass = record.plan.shape.passes[number];
+        if (before) narrowBarrier(record.plan.device, record.commands, before->kind == PassKind::dispatch);
+        bindPass(record, number);
+        const bool clears = pass.clear && &pass != cleared;
+        recordDraws(record, pass, clears ? VK_ATTACHMENT_LOAD_OP_CLEAR : VK_ATTACHMENT_LOAD_OP_LOAD);
+        before = &pass;
+    }
+    return before;
+}
+
+void writeTimestamp(const Device& device, VkCommandBuffer commands, VkQueryPool pool, uint32_t query) {
+    if (device.caps.software) fullBarrier(device, commands);
+    device.vk.vkCmdWriteTimestamp2(commands, VK_PIPELINE_STAGE_2_ALL_COMMANDS_BIT, pool, query);
+    if (device.caps.software) fullBarrier(device, commands);
 }
 
 void narrowBarrier(const Device& device, VkCommandBuffer commands, bool afterDispatch) {

@@ -9,7 +9,9 @@ struct FrameRecord {
     const Plan& plan;
     const FrameData& data;
     VkCommandBuffer commands = VK_NULL_HANDLE;
-    size_t frame = 0;  // of what `data` holds
+    size_t frame = 0;          // of what `data` holds
+    bool secondQueue = false;  // where nothing is drawn
+    const Bound& bound() const { return plan.turns[frame % 2]; }
 };
 
 // The streams, with the frame's constants and its palettes from `paletteOffset` on.
@@ -23,6 +25,15 @@ void bindPass(const FrameRecord& record, size_t number);
 
 // The draws of a bound pass, each with its constants; `load` is what a drawing pass does with the target first.
 void recordDraws(const FrameRecord& record, const Pass& pass, VkAttachmentLoadOp load = VK_ATTACHMENT_LOAD_OP_LOAD);
+
+// Passes from number `from` to before `to`, the first one too behind what it needs of `before`, the pass that the queue
+// was given last (null: none). Each clears in its turn, but for `cleared`. Gives the last one.
+const Pass* recordPasses(const FrameRecord& record, size_t from, size_t to, const Pass* before,
+                         const Pass* cleared = nullptr);
+
+// Mesa's software driver puts a timestamp into the queue of tiles that a barrier empties, and runs the geometry stages
+// before that queue. So the queue is empty on both sides; a GPU gets no barrier here.
+void writeTimestamp(const Device& device, VkCommandBuffer commands, VkQueryPool pool, uint32_t query);
 
 // What a pass needs of the one before it: skinned vertices, lists and commands, and after a drawing pass its depth, or
 // that nothing reads its lists and targets any more.

@@ -24,9 +24,11 @@ uint64_t streamBytes(const Stream& stream) {
     return stream.bytes ? uint64_t{stream.bytes->size()} * stream.replicas : stream.gpuBytes;
 }
 
+uint64_t memoryOf(const Stream& stream) { return streamBytes(stream) * (stream.inTurn ? 2 : 1); }
+
 uint64_t planBytes(const FramePlan& plan) {
     uint64_t total = 0;
-    for (const Stream& stream : plan.streams) total += streamBytes(stream);
+    for (const Stream& stream : plan.streams) total += memoryOf(stream);
     return total;
 }
 

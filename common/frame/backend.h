@@ -90,6 +90,7 @@ struct DeviceCaps {
     uint64_t deviceBytes = 0;              // memory of the device's largest heap; 0: the driver does not say
     bool pipelineStatistics = false;
     bool meshCounters = false;            // statistics of task and mesh stages in the EXT dialect
+    bool secondQueue = false;             // a queue of another family computes beside the one that draws
     std::vector<std::string> extensions;  // sorted
 
     // Faults of drivers. The first two are found by a test draw. The third shows in few of many triangles, so it is
@@ -155,6 +156,8 @@ struct Stream {
                               // `bytes` are whole words then
     uint64_t gpuBytes = 0;
     bool hostWritten = false;  // FrameInput::skinned replaces the whole content before each frame
+    bool inTurn = false;       // two buffers with such a content: a batch's frames 0, 2, 4, … have the first one, the
+                               // others the second one; in a plan with passesAhead only
 };
 
 enum class PassKind { dispatch, drawIndexed, drawMesh };
@@ -224,10 +227,14 @@ struct FramePlan {
     std::vector<Stream> streams;
     std::vector<Program> programs;
     std::vector<Pass> passes;
+    uint32_t passesAhead = 0;  // the first so many passes, dispatches all; RunMode::batch does them on a second queue,
+                               // those of frame f + 1 while the rest of frame f is done. What they write lies in
+                               // streams in turn, and they read nothing that other passes write
 };
 
-// Bytes of device memory that a stream takes, and all streams of a plan.
+// Bytes of one buffer of a stream, of device memory that the stream takes, and all streams of a plan.
 uint64_t streamBytes(const Stream& stream);
+uint64_t memoryOf(const Stream& stream);
 uint64_t planBytes(const FramePlan& plan);
 
 // The bytes from `from` on of what a stream with bytes holds at first: all replicas, one behind the other. With
@@ -245,11 +252,13 @@ struct FrameInput {
 // How run() draws its frames.
 // timed:   a full barrier around every pass and two timestamps at each.
 // overlap: between the passes of a frame only what the next one reads or overwrites is waited for; two timestamps
-// around
-//          the whole frame, with full barriers outside. The first pass that draws clears before the first one, a later
-//          pass in its turn.
+// around the whole frame, with full barriers outside. The first pass that draws clears before the first timestamp, a
+// later pass in its turn.
+// batch: as a renderer draws, frame behind frame. Only what a pass reads or overwrites is waited for, between frames
+// too, and every pass clears in its turn; two timestamps around all frames, with full barriers outside. Where the host
+// writes before each frame it is RunMode::overlap.
 // counted: pipeline statistics instead of timestamps; nothing is drawn where the device has none.
-enum class RunMode { timed, overlap, counted };
+enum class RunMode { timed, overlap, batch, counted };
 
 // What the pipeline did for one frame, all passes together; empty where the API does not count it for these passes.
 struct Counters {
@@ -257,9 +266,10 @@ struct Counters {
         fragmentInvocations, computeInvocations, taskInvocations, meshInvocations, meshPrimitives;
 };
 
-// Milliseconds. `passes` has one element for each pass of the plan, one in all in RunMode::overlap and none in
-// RunMode::counted. `upload` is the host time that the copy of FrameInput::skinned into device memory took, fenced; 0
-// where there is none. `record` and `submit` are host times of the whole batch divided by its frames.
+// Milliseconds. `passes` has one element for each pass of the plan, one in all in RunMode::overlap, in RunMode::batch
+// one that is the time of all frames divided by their number, and none in RunMode::counted. `upload` is the host time
+// that the copy of FrameInput::skinned into device memory took, fenced; 0 where there is none. `record` and `submit`
+// are host times of the whole batch divided by its frames.
 struct Timing {
     std::vector<double> passes;
     double upload = 0;
@@ -298,9 +308,9 @@ public:
     virtual Result<std::vector<Timing>> run(PlanId plan, std::span<const FrameInput> frames,
                                             RunMode mode = RunMode::timed) = 0;
 
-    // The colour target and a whole stream as the last run() of this plan left them. Plans of one size share their
-    // targets: the image is an error before a run, and once another of them has run. Before a run, a stream holds what
-    // prepare() put there.
+    // The colour target and a whole stream as the last run() of this plan left them; of a stream in turn the buffer
+    // of the last frame. Plans of one size share their targets: the image is an error before a run, and once another of
+    // them has run. Before a run, a stream holds what prepare() put there.
     virtual Result<Image> readImage(PlanId plan) = 0;
     virtual Result<std::vector<std::byte>> readStream(PlanId plan, uint32_t slot) = 0;
 

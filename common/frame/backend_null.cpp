@@ -24,7 +24,7 @@ public:
         const bool counted = mode == RunMode::counted;
         Timing timing;
         if (counted && caps_.pipelineStatistics) timing.counters.emplace();
-        if (!counted) timing.passes.resize(mode == RunMode::overlap ? 1 : plan->second.passes.size());
+        timing.passes.resize(timesOfFrame(plan->second, mode));
         const bool runs = !frames.empty() && (!counted || caps_.pipelineStatistics);
         if (runs && drawsImage(plan->second)) lastOfSize_[sizeOf(plan->second)] = id;
         return std::vector<Timing>(frames.size(), timing);

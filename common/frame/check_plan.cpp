@@ -48,6 +48,9 @@ Result<void> checkStreams(const FramePlan& plan) {
             return inputError(std::format("slot {} is not one that a stream may have", stream.slot));
         if (slots[stream.slot]) return inputError(std::format("two streams at slot {}", stream.slot));
         slots.set(stream.slot);
+        if (stream.inTurn && (stream.hostWritten || plan.passesAhead == 0))
+            return inputError(std::format("the stream at slot {} is in turn, and {}", stream.slot,
+                                          stream.hostWritten ? "the host writes it" : "no pass runs ahead"));
         if (stream.bytes && stream.replicaAdd && stream.bytes->size() % sizeof stream.replicaAdd)
             return inputError(
                 std::format("the stream at slot {} adds to 32-bit words, and is not made of them", stream.slot));
@@ -58,6 +61,18 @@ Result<void> checkStreams(const FramePlan& plan) {
     if (indices > 1) return inputError("two streams feed indexed draws");
     if (indirect > 1) return inputError("two streams hold the commands of indirect draws");
     if (hostWritten > 1) return inputError("two streams are written by the host");
+    if (hostWritten && plan.passesAhead) return inputError("passes run ahead of what the host writes for each frame");
+    return {};
+}
+
+Result<void> checkAhead(const FramePlan& plan, const DeviceCaps& caps) {
+    if (plan.passesAhead == 0) return {};
+    if (plan.passesAhead > plan.passes.size())
+        return inputError(std::format("{} passes run ahead, and there are {}", plan.passesAhead, plan.passes.size()));
+    for (const Pass& pass : std::span(plan.passes).first(plan.passesAhead))
+        if (pass.kind != PassKind::dispatch)
+            return inputError("pass '" + pass.label + "' draws, so that it cannot run ahead");
+    if (!caps.secondQueue) return deviceError(caps.name + " has no second queue for passes that run ahead");
     return {};
 }
 
@@ -135,6 +150,7 @@ Result<void> checkAll(const FramePlan& plan, const DeviceCaps& caps) {
     for (const Pass& pass : plan.passes)
         if (auto checked = checkPass(plan, pass, caps); !checked)
             return errorAt("pass '" + pass.label + "'", checked.error());
+    SKINBENCH_TRY(checkAhead(plan, caps));
     if (!plan.passes.empty() && caps.timestampBits == 0)
         return deviceError(caps.name + " offers no timestamps, so passes cannot be timed");
     if (std::min(plan.width, plan.height) == 0 || std::max(plan.width, plan.height) > caps.maxImageSize)
@@ -176,6 +192,12 @@ const Stream* hostWrittenStream(const FramePlan& plan) {
     auto written = std::ranges::find(plan.streams, true, &Stream::hostWritten);
     return written == plan.streams.end() ? nullptr : &*written;
 }
+
+size_t timesOfFrame(const FramePlan& plan, RunMode mode) {
+    return mode == RunMode::timed ? plan.passes.size() : mode == RunMode::counted ? 0 : 1;
+}
+
+bool runsTogether(const FramePlan& plan, RunMode mode) { return mode == RunMode::batch && !hostWrittenStream(plan); }
 
 Result<void> checkFrames(const FramePlan& plan, std::span<const FrameInput> frames) {
     const Stream* written = hostWrittenStream(plan);

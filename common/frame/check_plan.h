@@ -18,6 +18,12 @@ const Pass* firstDrawing(const FramePlan& plan);
 bool drawsImage(const FramePlan& plan);
 const Stream* hostWrittenStream(const FramePlan& plan);  // null: there is none
 
+// How many times a Timing of that mode has.
+size_t timesOfFrame(const FramePlan& plan, RunMode mode);
+
+// Whether all frames are between two timestamps: RunMode::batch, but not where the host writes before each frame.
+bool runsTogether(const FramePlan& plan, RunMode mode);
+
 // Whether palettes and skinned bytes of every frame have the plan's sizes.
 Result<void> checkFrames(const FramePlan& plan, std::span<const FrameInput> frames);
 

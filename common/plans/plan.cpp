@@ -67,8 +67,7 @@ MemoryBytes memoryOfOneCopy(const FramePlan& plan, uint32_t copies) {
     };
     MemoryBytes memory;
     for (const Stream& stream : plan.streams)
-        if (auto kind = kinds.find(stream.slot); kind != kinds.end())
-            memory.*kind->second += streamBytes(stream) / copies;
+        if (auto kind = kinds.find(stream.slot); kind != kinds.end()) memory.*kind->second += memoryOf(stream) / copies;
     memory.palette = plan.paletteBytes / copies;
     return memory;
 }

@@ -27,6 +27,7 @@ inline const std::vector<Opened>& openedSubjects() {
         DeviceCaps caps = generousCaps(Api::vulkan);
         caps.maxImageSize = 16384;
         caps.pipelineStatistics = true;
+        caps.secondQueue = true;
         opened.push_back({openNull(caps), false});
         auto add = [&](Result<std::unique_ptr<Backend>> backend) {
             if (backend)

@@ -21,8 +21,9 @@ bool onlyUpperHalf(const Image& image, uint32_t color) {
 bool nothingDrawn(const Image& image) { return countOf(image, kBackground) == size_t{image.width} * image.height; }
 
 std::vector<RunMode> drawingModes(const Subject& subject) {
-    if (!subject.backend->caps().pipelineStatistics) return {RunMode::timed, RunMode::overlap};
-    return {RunMode::timed, RunMode::overlap, RunMode::counted};
+    std::vector<RunMode> modes = {RunMode::timed, RunMode::overlap, RunMode::batch};
+    if (subject.backend->caps().pipelineStatistics) modes.push_back(RunMode::counted);
+    return modes;
 }
 
 }  // namespace
@@ -120,7 +121,7 @@ void main() { skinned[gl_WorkGroupID.x] = vec4(drawConstants.z); }
                                 .use = useStorage | useIndirect,
                                 .bytes = bytesOf(std::vector<DrawCommand>(2, groupCommand(9, MeshDialect::none)))});
         addCounting(plan, subject.api(), 1, groups);
-        for (RunMode mode : {RunMode::timed, RunMode::overlap}) {
+        for (RunMode mode : {RunMode::timed, RunMode::overlap, RunMode::batch}) {
             const PlanId id = subject.prepare(plan);
             subject.run(id, {stillFrame()}, mode);
             std::vector<Point> wanted(4, {0, 0, 0, 0});
@@ -267,7 +268,7 @@ void main() {
         frames.push_back(posedFrame(palettes[i]));
         frames.back().constants.grid.w = static_cast<float>(i);
     }
-    for (RunMode mode : {RunMode::timed, RunMode::overlap}) {
+    for (RunMode mode : {RunMode::timed, RunMode::overlap, RunMode::batch}) {
         const PlanId id = subject.prepare(plan);
         subject.run(id, frames, mode);
         const auto seen = subject.stream<Point>(id, SLOT_SKINNED);
@@ -439,11 +440,12 @@ TEST_CASE("backends: one timing a frame, in the shape of its mode") {
     Subject subject;
     const PlanId id = subject.prepare(computePlan(subject.api()));
     const std::vector<FrameInput> frames(3, posedFrame(kIdentity));
-    for (RunMode mode : {RunMode::timed, RunMode::overlap, RunMode::counted}) {
+    for (RunMode mode : {RunMode::timed, RunMode::overlap, RunMode::batch, RunMode::counted}) {
         const auto timings = subject.run(id, frames, mode);
         REQUIRE(timings.size() == 3);
         for (const Timing& timing : timings) {
-            CHECK(timing.passes.size() == (mode == RunMode::timed ? 2 : mode == RunMode::overlap ? 1 : 0));
+            CHECK(timing.passes.size() == (mode == RunMode::timed ? 2 : mode == RunMode::counted ? 0 : 1));
+            if (mode == RunMode::batch) CHECK(timing.passes == timings.front().passes);
             CHECK(std::ranges::all_of(timing.passes, [](double ms) { return ms >= 0 && ms < 60'000; }));
             CHECK(timing.upload == 0);
             CHECK(timing.counters.has_value() ==
