@@ -32,6 +32,8 @@ const std::vector<AxisWords>& together() {
         {{"cull", {"compact"}}, {"meshlet_limits", {"128/256"}}, {"scenario", {"direct", "prepass"}}},
         {{"scenario", {"prepass"}}, {"submission", {"batched"}}},
         {{"views", {"2"}}, {"scenario", {"prepass"}}},
+        {{"queues", {"async"}}, {"submission", {"batched"}}},
+        {{"queues", {"async"}}, {"cluster_cull", {"list"}}, {"views", {"2"}}},
         {{"views", {"2"}}, {"cluster_cull", {"task", "list"}}},
         {{"records", {"ordered"}}, {"layout", {"fixed"}}},
         {{"records", {"ordered"}}, {"palette", {"uniform"}}},
@@ -137,6 +139,7 @@ DeviceCaps generousCaps(Api api) {
     caps.subgroupSize = 32;
     caps.meshSubgroups = true;
     caps.subpixelBits = 8;
+    caps.secondQueue = api == Api::vulkan;
     caps.maxComputeGroupCount = 65535;
     caps.maxComputeSharedBytes = 49152;
     caps.maxStorageBytes = uint64_t{1} << 32;

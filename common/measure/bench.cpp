@@ -153,7 +153,7 @@ Result<void> verifyKept(const BenchSettings& settings, const Case& c, const Prep
 Result<void> verifyDrawn(Runner& runner, CaseResult& result, Prepared& ready) {
     auto frames = framesOfPose(runner.workload, result.theCase);
     SKINBENCH_TRY(frames);
-    SKINBENCH_TRY(drawFrames(ready, *frames));
+    SKINBENCH_TRY(drawFrames(ready, *frames, modeOf(result.theCase)));
     auto captured = capturedVertices(ready);
     SKINBENCH_TRY(captured);
     const References& references = referencesFor(runner, result.theCase, ready.input, frames->back());

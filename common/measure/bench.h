@@ -59,6 +59,8 @@ struct CaseFigures {
     Summary record, submit;
     std::optional<Summary> overlapped;
     std::optional<Interval> overlappedInterval;
+    std::optional<Summary> batch;
+    std::optional<Interval> batchInterval;
 };
 
 // Samples are milliseconds per frame for all copies. `total` is the sum of the passes, and for the variant `cpu` also
@@ -72,8 +74,10 @@ struct CaseResult {
     CaseStatus status = CaseStatus::skipped;
     std::string reason;  // empty when ok
     std::vector<double> total;
-    std::vector<size_t> roundSizes;  // of `total`, round after round
-    std::vector<double> overlapped;  // frames of several passes in RunMode::overlap
+    std::vector<size_t> roundSizes;   // of `total`, round after round
+    std::vector<double> overlapped;   // frames of several passes in RunMode::overlap
+    std::vector<double> batches;      // a frame of each batch in RunMode::batch, in runs that have Queues::async
+    std::vector<size_t> batchRounds;  // of `batches`, round after round
     std::map<std::string, std::vector<double>> passes;
     std::vector<double> record;  // host time to record a frame, and to submit it
     std::vector<double> submit;

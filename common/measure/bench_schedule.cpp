@@ -38,6 +38,7 @@ struct Timer {
         const CaseResult& of = result(number);
         return of.memory ? of.memory->total() * runner.workload.settings.copies : 0;
     }
+    bool batches = false;  // cases are timed in RunMode::batch too
     bool began = false;  // the first warm-up is over
     Clock::time_point start = Clock::now();
     std::map<size_t, double> took;  // seconds of a case's last round, by result number
@@ -199,7 +200,28 @@ Result<std::span<const FrameData>> framesFrom(Timer& timer, const Case& c, uint3
     return std::span<const FrameData>(kept);
 }
 
-// One round of one case: warm-up, timed frames, and for several passes as many frames that overlap.
+// Frames of one batch, those of the round again and again: as many as make what a batch begins and ends with small, and
+// palettes fit.
+constexpr uint64_t kBatchFrames = 64, kBatchPalettes = uint64_t{256} << 20;
+constexpr int kBatchesOfRound = 3;
+
+Result<void> timeBatches(CaseResult& result, Prepared& ready, std::span<const FrameData> round) {
+    const bool software = ready.backend->caps().software;
+    auto bytes = paletteBytes(ready.input, ready.blocks, round.front());
+    SKINBENCH_TRY(bytes);
+    const uint64_t most = std::max<uint64_t>(kBatchPalettes / std::max<uint64_t>(bytes->size(), 1), kBatch);
+    const size_t count = software ? round.size() : std::min(kBatchFrames, most);
+    std::vector<FrameData> frames;
+    for (size_t i = 0; i < count; ++i) frames.push_back(round[i % round.size()]);
+    for (int batch = 0; batch < (software ? 1 : kBatchesOfRound); ++batch) {
+        auto drawn = drawTimed(ready, frames, RunMode::batch);
+        SKINBENCH_TRY(drawn);
+        result.batches.push_back(drawn->front().timing.passes.front());
+    }
+    return {};
+}
+
+// One round of one case: warm-up, timed frames, for several passes as many frames that overlap, and batches.
 Result<void> timeRound(Timer& timer, CaseResult& result, Prepared& ready, uint32_t from, uint32_t count,
                        double shortest) {
     const bool overlaps = ready.plan && !ready.host && ready.labels.size() > 1;
@@ -217,6 +239,12 @@ Result<void> timeRound(Timer& timer, CaseResult& result, Prepared& ready, uint32
         SKINBENCH_TRY(overlapped);
         for (const DrawnFrame& frame : *overlapped) result.overlapped.push_back(frame.timing.passes.front());
     }
+    if (!timer.batches || !ready.plan || ready.host || count == 0) return {};
+    const size_t before = result.batches.size();
+    auto frames = framesFrom(timer, result.theCase, from, std::min(kBatch, count));
+    SKINBENCH_TRY(frames);
+    SKINBENCH_TRY(timeBatches(result, ready, *frames));
+    result.batchRounds.push_back(result.batches.size() - before);
     return {};
 }
 
@@ -300,6 +328,8 @@ void showTiming(const Timer& timer, std::span<const size_t> rest, uint32_t round
 void timeCases(Runner& runner) {
     const BenchSettings& settings = runner.settings;
     Timer timer{runner, {}, {}};
+    timer.batches = std::ranges::any_of(
+        runner.results, [](const CaseResult& result) { return result.theCase.queues == Queues::async; });
     std::mt19937 random(settings.seed);
     for (uint32_t round = 0; !timer.stopped(); ++round) {
         if (round >= settings.rounds && settings.timeLimit > 0 && seconds(timer.start) > settings.timeLimit) break;

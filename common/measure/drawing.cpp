@@ -86,11 +86,13 @@ Result<std::vector<FrameData>> frameRange(Workload& workload, const Case& c, uin
 }
 
 Result<std::vector<FrameData>> framesOfPose(Workload& workload, const Case& c) {
-    auto poses = frameRange(workload, c, 0, c.compute.previous ? 2 : 1);
+    const bool async = c.queues == Queues::async;
+    auto poses = frameRange(workload, c, 0, c.compute.previous || async ? 2 : 1);
     if (!poses) return poses;
     std::vector<FrameData> frames;
     for (auto pose = poses->rbegin(); pose != poses->rend(); ++pose)
         frames.insert(frames.end(), c.compute.halfRate ? 2 : 1, *pose);
+    if (async) frames.insert(frames.begin(), 3, frames.front());
     for (size_t i = 0; i < frames.size(); ++i) frames[i].constants.grid.w = static_cast<float>(i);
     return frames;
 }
@@ -109,9 +111,11 @@ std::vector<std::pair<std::string, double>> passTimes(const Prepared& ready, con
     return times;
 }
 
+RunMode modeOf(const Case& c) { return c.queues == Queues::async ? RunMode::batch : RunMode::timed; }
+
 Result<std::vector<DrawnFrame>> drawFrames(Prepared& ready, std::span<const FrameData> frames, RunMode mode) {
     // Host skinning happens right before its frame, so such frames are drawn one by one.
-    const size_t batch = ready.host ? 1 : kBatch;
+    const size_t batch = ready.host ? 1 : mode == RunMode::batch ? std::max<size_t>(frames.size(), 1) : kBatch;
     std::vector<DrawnFrame> drawn;
     for (size_t start = 0; start < frames.size(); start += batch) {
         double skin = 0;

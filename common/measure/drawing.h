@@ -61,7 +61,8 @@ auto attempt(const Step& step) -> decltype(step()) {
 Result<std::vector<FrameData>> frameRange(Workload& workload, const Case& c, uint32_t first, uint32_t count);
 
 // Frames whose last one shows the pose of frame 0, whatever the case. Where vertices keep their last position, frame 1
-// comes first; where some copies are skinned every second frame, each pose is drawn twice.
+// comes first; where some copies are skinned every second frame, each pose is drawn twice. With a second queue frame 1
+// comes four times before, so that what is drawn too early shows another pose.
 Result<std::vector<FrameData>> framesOfPose(Workload& workload, const Case& c);
 
 struct DrawnFrame {
@@ -72,8 +73,12 @@ struct DrawnFrame {
 // Frames that are recorded and submitted together; bounds the memory that their palettes take.
 inline constexpr uint32_t kBatch = 16;
 
+// In RunMode::batch all of them are together, whatever kBatch.
 Result<std::vector<DrawnFrame>> drawFrames(Prepared& ready, std::span<const FrameData> frames,
                                            RunMode mode = RunMode::timed);
+
+// The mode that shows what the case is about: RunMode::batch with a second queue, else RunMode::timed.
+RunMode modeOf(const Case& c);
 
 // The frame's passes by name, on the host too; passes of one name are one.
 std::vector<std::pair<std::string, double>> passTimes(const Prepared& ready, const DrawnFrame& frame);

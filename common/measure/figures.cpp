@@ -21,6 +21,10 @@ CaseFigures figuresOf(const CaseResult& result) {
     for (const auto& [label, samples] : result.passes) figures.passes[label] = summarise(samples);
     figures.record = summarise(result.record);
     figures.submit = summarise(result.submit);
+    if (!result.batches.empty()) {
+        figures.batch = summarise(result.batches);
+        figures.batchInterval = medianInterval(result.batches, result.batchRounds);
+    }
     if (result.overlapped.empty()) return figures;
     figures.overlapped = summarise(result.overlapped);
     figures.overlappedInterval = medianInterval(result.overlapped, result.roundSizes);

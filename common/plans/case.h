@@ -65,6 +65,11 @@ enum class ClusterCull { off = CLUSTER_OFF, task = CLUSTER_TASK, list = CLUSTER_
 //          equal (Torabi 3.3).
 enum class Scenario { direct, prepass };
 
+// async: a second queue skins the next frame while this one is drawn, into a buffer that frames have in turn. It shows
+// in
+//        the time of a frame within a batch (RunMode::batch) alone.
+enum class Queues { one, async };
+
 // Where a mesh work group's vertices name their joints.
 // vertex:  each vertex has joint ids.
 // meshlet: the meshlet lists its joints, each vertex has one-byte numbers into that list.
@@ -173,6 +178,7 @@ struct Case {
     uint32_t clusterTests = CLUSTER_TEST_FRUSTUM | CLUSTER_TEST_CONE;
     ClusterBounds clusterBounds = ClusterBounds::jointSpheres;
     View view = View::shaded;
+    Queues queues = Queues::one;
     uint32_t views = 1;  // of a frame: the main one, and others that draw depth alone before it
 };
 

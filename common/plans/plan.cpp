@@ -5,6 +5,7 @@
 #include <map>
 
 #include "common/frame/check_plan.h"
+#include "common/plans/plan_parts.h"
 #include "common/scene/pose.h"
 
 namespace skinbench {
@@ -43,6 +44,7 @@ Result<FramePlan> makePlan(const Case& c, const PlanInput& input, const DeviceCa
                         input.encoded->vertexCount, input.scene->mesh.indices.size()));
     Result<FramePlan> plan = c.variant->plan(c, input, caps);
     if (!plan) return plan;
+    if (c.queues == Queues::async) runAhead(*plan, c);
     if (c.route->api != Api::cpu) SKINBENCH_TRY(checkPlan(*plan, caps));
     return plan;
 }

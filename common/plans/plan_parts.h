@@ -100,8 +100,8 @@ void addGroupDraws(Pass& pass, const Case& c, const PlanInput& input, uint32_t g
 Pass dispatchPass(const char* label, const Case& c, const PlanInput& input, const DeviceCaps& caps, uint64_t each,
                   uint32_t groupSize);
 
-// What ClusterCull reads and writes, the verdicts of a verifying plan, and the defines of its stages. A list's counts are a view's commands from 0 on or,
-// with Variant::listsTriangles, those behind the draws'.
+// What ClusterCull reads and writes, the verdicts of a verifying plan, and the defines of its stages. A list's counts
+// are a view's commands from 0 on or, with Variant::listsTriangles, those behind the draws'.
 void addClusters(FramePlan& plan, const Case& c, const PlanInput& input, const DeviceCaps& caps, Defines& defines);
 
 // The pass "bounds" of ClusterBounds::instance, and a pass "cluster" for each view where meshlets are listed.
@@ -114,6 +114,9 @@ Result<void> addClusterList(FramePlan& plan, const Case& c, const PlanInput& inp
 // More defines than the case's go to its shader.
 Result<void> addSkinPass(FramePlan& plan, const Case& c, const PlanInput& input, const DeviceCaps& caps,
                          const Defines& more = {});
+
+// Queues::async: the passes "skin" in front run ahead, and what they write lies in streams in turn.
+void runAhead(FramePlan& plan, const Case& c);
 
 // A pass with a plain vertex stage over the attributes of SLOT_SKINNED: the same for every variant that
 // has skinned before.

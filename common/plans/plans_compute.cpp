@@ -55,6 +55,17 @@ Result<void> addSkinPass(FramePlan& plan, const Case& c, const PlanInput& input,
     return {};
 }
 
+void runAhead(FramePlan& plan, const Case& c) {
+    const auto skins = [](const Pass& pass) { return pass.label == "skin"; };
+    plan.passesAhead = static_cast<uint32_t>(std::ranges::find_if_not(plan.passes, skins) - plan.passes.begin());
+    for (Stream& stream : plan.streams) {
+        const bool skinned = stream.slot == SLOT_SKINNED || stream.slot == SLOT_SKINNED_TANGENT;
+        // compute.glsl clears the counts of the passes that come next, and captures.
+        const bool counted = stream.slot == SLOT_COMMAND || stream.slot == SLOT_VERDICT || stream.slot == SLOT_CAPTURE;
+        stream.inTurn = skinned || (counted && c.variant->listsTriangles);
+    }
+}
+
 Result<FramePlan> planCompute(const Case& c, const PlanInput& input, const DeviceCaps& caps) {
     FramePlan plan = startPlan(c, input);
     addEncoded(plan, input);

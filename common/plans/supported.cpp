@@ -98,6 +98,10 @@ std::optional<std::string> unsupported(const Case& c, const DeviceCaps& caps) {
         return "influences are counted in the headers of meshlets";
     if (c.clusterCull != ClusterCull::off)
         if (auto reason = unsupportedClusters(c, caps)) return reason;
+    if (c.queues == Queues::async && !caps.secondQueue)
+        return c.route->api == Api::opengl ? "OpenGL has no second queue" : caps.name + " has no second queue";
+    if (c.queues == Queues::async && (c.compute.previous || c.compute.halfRate))
+        return "frames skin into two buffers in turn, so a vertex does not find what an update before has kept";
     if (c.compute.tangents + c.compute.shortTangents + c.compute.wicked > 1)
         return "tangents are kept in one way: long, short, or as wicked";
     if (c.compute.packed && c.compute.wicked) return "vertices are kept in one way: packed, or as wicked";

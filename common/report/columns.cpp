@@ -95,6 +95,7 @@ constexpr Group kGroups[] = {
     {"gpu_ms", isTimedResult},
     {"passes_ms", isTimedResult},
     {"unserialised_ms", [](const ResultInRun& r) { return isTimed(r.result) && r.result.figures->overlapped; }},
+    {"batch_ms", [](const ResultInRun& r) { return isTimed(r.result) && r.result.figures->batch; }},
     {"host_ms", isTimedResult},
     {"achieved",
      [](const ResultInRun& r) { return isTimed(r.result) && r.result.memory && r.result.figures->total.median > 0; }},
@@ -191,6 +192,13 @@ void addPasses(Columns& rows) {
                                 {.header = "without barriers", .group = "passes"}));
     rows.push_back(inFile("unserialised_ms.interval", "ms",
                           figureOf([](const auto& f) { return f.overlappedInterval; }), kInterval));
+    rows.push_back(milliseconds("batch_ms.median", figureOf([](const auto& f) { return f.batch->median; }),
+                                {.header = "in a batch", .group = "passes"}));
+    rows.back().terminal = {.header = "ms in a batch", .width = 13, .marked = true};
+    rows.push_back(
+        inFile("batch_ms.interval", "ms", figureOf([](const auto& f) { return f.batchInterval; }), kInterval));
+    rows.push_back(inFile("batch_ms.round_sizes", "", resultOf([](const auto& r) { return r.batchRounds; }), kList));
+    rows.push_back(inFile("batch_ms.samples", "ms", resultOf([](const auto& r) { return r.batches; }), kList));
     auto host = [](const char* name) { return PageColumn{.header = name, .unit = "ms host", .group = "host"}; };
     rows.push_back({.path = "host_ms.record",
                     .unit = "ms",

@@ -16,12 +16,17 @@ using Json = nlohmann::ordered_json;
 
 namespace {
 
+// The key of the times that are compared: of frames for themselves, or within batches.
+constexpr const char *kFrames = "gpu_ms", *kBatches = "batch_ms";
+
+bool hasTimes(const Json& row, const char* key) { return row.contains(key) && row[key].is_object(); }
+
 // A file that does not say its rounds counts as one; samples that are not positive count as none.
-Measured measuredOf(const Json& row) {
-    Measured measured{row["gpu_ms"].value("samples", std::vector<double>()), {}};
+Measured measuredOf(const Json& row, const char* key) {
+    Measured measured{row[key].value("samples", std::vector<double>()), {}};
     auto usable = [](double sample) { return std::isfinite(sample) && sample > 0; };
     if (!std::ranges::all_of(measured.samples, usable)) measured.samples.clear();
-    const Json sizes = row["gpu_ms"].value("round_sizes", Json(nullptr));
+    const Json sizes = row[key].value("round_sizes", Json(nullptr));
     if (!sizes.is_null()) measured.roundSizes = sizes.get<std::vector<size_t>>();
     std::erase(measured.roundSizes, 0);
     const size_t sum = std::accumulate(measured.roundSizes.begin(), measured.roundSizes.end(), size_t{0});
@@ -29,29 +34,30 @@ Measured measuredOf(const Json& row) {
     return measured;
 }
 
-ComparedSide sideOf(const Json& results, const Json& row) {
+ComparedSide sideOf(const Json& results, const Json& row, const char* key = kFrames) {
     ComparedSide side{
         row["id"], row["status"], row["reason"].is_null() ? "" : row["reason"].get<std::string>(), {}, false};
-    if (side.status == "ok" && !row["gpu_ms"].is_null())
-        if (const double median = row["gpu_ms"]["median"]; std::isfinite(median) && median > 0) side.median = median;
+    if (side.status == "ok" && hasTimes(row, key))
+        if (const double median = row[key]["median"]; std::isfinite(median) && median > 0) side.median = median;
     side.software = side.median && isSoftware(results, row);
     return side;
 }
 
-ComparedCase compareTimes(ComparedCase compared, const Json& a, const Json& b, double noiseFloor) {
+ComparedCase compareTimes(ComparedCase compared, const Json& a, const Json& b, double noiseFloor, const char* key) {
     const TimeRatio found =
-        judgeRatio(*compared.b.median / *compared.a.median, measuredOf(a), measuredOf(b), noiseFloor);
+        judgeRatio(*compared.b.median / *compared.a.median, measuredOf(a, key), measuredOf(b, key), noiseFloor);
     compared.change = found.change;
     compared.ratio = found.ratio;
     compared.interval = found.interval;
     return compared;
 }
 
-ComparedCase compareCase(const Json& a, const Json& rowA, const Json& b, const Json& rowB, double noiseFloor) {
-    ComparedCase compared{rowA["id"], "", Change::same, sideOf(a, rowA), sideOf(b, rowB), {}, {}};
+ComparedCase compareCase(const Json& a, const Json& rowA, const Json& b, const Json& rowB, double noiseFloor,
+                         const char* key = kFrames) {
+    ComparedCase compared{rowA["id"], "", Change::same, sideOf(a, rowA, key), sideOf(b, rowB, key), {}, {}};
     const bool okA = compared.a.status == "ok", okB = compared.b.status == "ok";
     if (okA && okB && compared.a.median && compared.b.median)
-        return compareTimes(std::move(compared), rowA, rowB, noiseFloor);
+        return compareTimes(std::move(compared), rowA, rowB, noiseFloor, key);
     compared.change = okA && okB ? Change::untimed : okA ? Change::broken : okB ? Change::mended : Change::notRun;
     return compared;
 }
@@ -177,13 +183,20 @@ Result<Comparison> comparePairsChecked(const Json& a, const Json& b, std::span<c
     }
     if (pairing.pairs.empty()) return inputError("no two cases are equal but for " + names);
     comparison.alone = pairing.alone;
+    // What the number of queues changes shows within batches alone.
+    const bool byQueues = std::ranges::contains(*axes, "queues", &PairAxis::name);
+    comparison.inBatches = byQueues && std::ranges::all_of(pairing.pairs, [](const CasePair& pair) {
+                               return hasTimes(*pair.a, kBatches) == hasTimes(*pair.a, kFrames) &&
+                                      hasTimes(*pair.b, kBatches) == hasTimes(*pair.b, kFrames);
+                           });
+    const char* const key = comparison.inBatches ? kBatches : kFrames;
     auto begin = pairing.pairs.begin();
     while (begin != pairing.pairs.end()) {
         const auto end = std::find_if(begin, pairing.pairs.end(),
                                       [&](const CasePair& pair) { return pair.direction != begin->direction; });
         std::vector<ComparedCase> compared;
         for (; begin != end; ++begin) {
-            compared.push_back(compareCase(a, *begin->a, b, *begin->b, comparison.noiseFloor));
+            compared.push_back(compareCase(a, *begin->a, b, *begin->b, comparison.noiseFloor, key));
             compared.back().direction = begin->direction;
         }
         std::ranges::stable_sort(compared, comesBefore);
@@ -348,6 +361,7 @@ Json comparisonJson(const Comparison& comparison) {
             {"placement_covered", comparison.placementCovered},
             {"paired_by", comparison.pairedBy},
             {"alone", comparison.alone},
+            {"times", comparison.inBatches ? kBatches : kFrames},
             {"cases", cases}};
 }
 
@@ -398,6 +412,7 @@ std::string comparisonText(const Comparison& comparison, size_t width) {
     text +=
         std::format("noise floor: {:.2f} %{}\n", comparison.noiseFloor * 100,
                     comparison.noiseFloorMeasured ? "" : " (0.30 % stands for a file that did not measure its own)");
+    if (comparison.inBatches) text += "times: of a frame within a batch\n";
     size_t idWidth = 4;
     bool software = false;
     for (const ComparedCase& compared : comparison.cases) {

@@ -68,6 +68,7 @@ struct Comparison {
     bool placementCovered = true;       // false: a file kept its cases in place and measured no noise floor
     std::vector<std::string> pairedBy;  // names of axes; empty: the same cases were compared
     size_t alone = 0;                   // cases of A without a partner, where pairs were compared
+    bool inBatches = false;             // pairs of --queues: the times are those of a frame within a batch
     std::vector<ComparedCase> cases;    // by direction, in the order of Change, within it the largest effect first
 };
 

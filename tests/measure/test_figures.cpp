@@ -34,6 +34,12 @@ TEST_CASE("figures are made of all samples of a case") {
     result.figures = figuresOf(result);
     CHECK(result.figures->overlapped->median == 3);
     CHECK(result.figures->overlappedInterval == Interval{2, 4});
+    CHECK(!result.figures->batch);
+    result.batches = {3, 3, 4, 5, 5, 5};
+    result.batchRounds = {3, 3};
+    result.figures = figuresOf(result);
+    CHECK(result.figures->batch->median == 4.5);
+    CHECK(result.figures->batchInterval == Interval{3, 5});
     result.status = CaseStatus::failed;
     CHECK(!isTimed(result));
 }

@@ -34,8 +34,8 @@ BenchSettings fewFrames() {
 }
 
 struct Drawn {
-    Image timed, overlapped;
-    std::vector<Timing> overlap;
+    Image timed, overlapped, batched;
+    std::vector<Timing> overlap, batch;
 };
 
 FramePlan planOf(Workload& workload, const Case& c, const Backend& backend) {
@@ -75,6 +75,10 @@ Drawn drawBothWays(Workload& workload, const Case& c, Backend& backend) {
     REQUIRE(overlap);
     drawn.overlap = *overlap;
     drawn.overlapped = *backend.readImage(*id);
+    auto batch = backend.run(*id, inputs, RunMode::batch);
+    REQUIRE(batch);
+    drawn.batch = *batch;
+    drawn.batched = *backend.readImage(*id);
     backend.release(*id);
     return drawn;
 }
@@ -248,6 +252,8 @@ TEST_CASE("passes that overlap draw the same image, and are timed as one") {
         const Drawn drawn = drawBothWays(workload, c, backend);
         CHECK(compareImages(drawn.timed, drawn.overlapped, 0).fraction == 0);
         for (const Timing& timing : drawn.overlap) CHECK(timing.passes.size() == 1);
+        CHECK(compareImages(drawn.timed, drawn.batched, 0).fraction == 0);
+        CHECK(drawn.batch[0].passes == drawn.batch[1].passes);
         CHECK(backend.takeMessages().empty());
     }
     auto results = runBench(workload, cases, openedBackends(), fewFrames(), {});
@@ -255,6 +261,7 @@ TEST_CASE("passes that overlap draw the same image, and are timed as one") {
     for (const CaseResult& result : *results) {
         INFO(result.id << ": " << result.reason);
         CHECK(result.overlapped.size() == result.total.size());
+        CHECK(result.batches.empty());
         // Passes of one name are one.
         std::vector<double> sums(result.total.size(), 0);
         for (const auto& [label, samples] : result.passes) {
@@ -329,5 +336,30 @@ TEST_CASE("the copy bandwidth of a device is measured") {
         REQUIRE(bandwidth);
         CHECK(*bandwidth > 1e6);
         CHECK(open.backend->takeMessages().empty());
+    }
+}
+
+TEST_CASE("with a second queue the vertices and the image are those of one, and every case is timed in batches") {
+    if (!anyDriver()) SKIP("no Vulkan and no OpenGL driver on this machine");
+    Workload workload = tinyWorkload(kCopies);
+    std::vector<Case> cases =
+        offered({makeCase("vk", "vertex"), makeCase("vk", "compute"), makeCase("vk", "compute-cull"),
+                 makeCase("vk-ext", "compute-mesh"), makeCase("vk-nv", "compute-mesh"), makeCase("gl", "compute")});
+    const size_t plain = cases.size();
+    for (size_t i = 0; i < plain; ++i)
+        if (cases[i].variant->skinsInCompute) {
+            cases.push_back(cases[i]);
+            cases.back().queues = Queues::async;
+        }
+    auto results = runBench(workload, cases, openedBackends(), fewFrames(), {});
+    REQUIRE(results);
+    for (const CaseResult& result : *results) {
+        INFO(result.id << ": " << result.reason);
+        const DeviceCaps& caps = openedBackends().at(result.theCase.route->api).backend->caps();
+        const bool runs = result.theCase.queues == Queues::one || caps.secondQueue;
+        CHECK(result.status == (runs ? CaseStatus::ok : CaseStatus::skipped));
+        if (!runs) CHECK(result.reason.ends_with("has no second queue"));
+        CHECK(result.batchRounds.size() == (runs ? 2 : 0));
+        CHECK(result.batches.empty() == !runs);
     }
 }

@@ -23,6 +23,8 @@ CaseResult timedResult() {
     result.total = {2, 4};
     result.roundSizes = {1, 1};
     result.overlapped = {1, 3};
+    result.batches = {1.5, 1.25, 1.75};
+    result.batchRounds = {1, 1, 1};
     result.passes = {{"skin", {1, 1}}, {"draw", {1, 3}}, {"blend", {5, 5}}};
     result.record = {0.5, 0.5};
     result.submit = {0.25, 0.25};
@@ -108,8 +110,9 @@ TEST_CASE("the CSV has every value of a case that is no list, by the name of its
     row.erase("options");
     addNames(row, "", names);
     for (const auto& [name, value] : json["cases"][0]["options"].items()) names.insert(name);
-    for (const char* list : {"gpu_ms_samples", "gpu_ms_round_sizes"}) CHECK(names.erase(list) == 1);
-    for (const char* interval : {"gpu_ms_interval", "unserialised_ms_interval"}) {
+    for (const char* list : {"gpu_ms_samples", "gpu_ms_round_sizes", "batch_ms_samples", "batch_ms_round_sizes"})
+        CHECK(names.erase(list) == 1);
+    for (const char* interval : {"gpu_ms_interval", "unserialised_ms_interval", "batch_ms_interval"}) {
         CHECK(names.erase(interval) == 1);
         for (const char* end : {"_low", "_high"}) CHECK(columns.contains(std::string(interval) + end));
     }

@@ -381,6 +381,28 @@ TEST_CASE("pairs of one file are equal but for the named axes, from the usual va
     CHECK(beside->cases[0].direction == "size: 10 → 12, tint: no → yes");
 }
 
+TEST_CASE("pairs of queues are compared by their frames within batches, where the file has those") {
+    Json one = option("vk/compute/uc", "10", "no", spread(10, 0.001, 20));
+    Json async = option("vk/compute/uc+async", "10", "no", spread(10, 0.001, 20));
+    one["options"]["queues"] = "one";
+    async["options"]["queues"] = "async";
+    const std::vector<std::string> queues = {"queues"};
+    auto compare = [&] {
+        Json results = withAxes({one, async});
+        results["axes"].push_back(axis("queues", "one", {"one", "async"}, false));
+        return comparisonJson(*comparePairs(results, results, queues));
+    };
+    Json compared = compare();
+    CHECK(compared["times"] == "gpu_ms");
+    one["batch_ms"] = timed("", spread(9, 0.001, 20))["gpu_ms"];
+    async["batch_ms"] = timed("", spread(6.75, 0.001, 20))["gpu_ms"];
+    compared = compare();
+    CHECK(compared["times"] == "batch_ms");
+    CHECK(compared["cases"][0]["direction"] == "queues: one → async");
+    CHECK(std::abs(compared["cases"][0]["ratio"].get<double>() - 0.75) < 0.01);
+    CHECK(compared["cases"][0]["change"] == "faster");
+}
+
 TEST_CASE("pairs of two files, and pairs that cannot be") {
     const Json a = withAxes({option("vk/vertex/uc", "10", "no", spread(10, 0.001, 20))});
     const Json b = withAxes({option("vk/vertex/pc", "10", "no", spread(12, 0.001, 20)),

@@ -101,6 +101,7 @@ function readCase(raw, file) {
         limit: number(row.limit_ms),
         limitId: text(row.limit_id),
         unserialised: readTimes(row.unserialised_ms),
+        batch: readTimes(row.batch_ms),
         counters: readNumbers(row.counters),
         memory: isObject(row.memory_bytes) ? readNumbers(row.memory_bytes) : null,
         accuracy: object(row.accuracy),

@@ -90,13 +90,13 @@ function recordOf(row) {
         );
     if (row.limit !== null)
         add("limit, ms", `${msText(row.limit)}${markOf(row)}${row.limitId ? ` (${row.limitId})` : ""}`);
-    if (row.unserialised)
-        add(
-            "without barriers, ms",
-            msText(row.unserialised.median) +
-                markOf(row) +
-                (row.unserialised.interval ? ` (${intervalText(row.unserialised.interval)})` : ""),
-        );
+    const frames = {"without barriers, ms": row.unserialised, "in a batch, ms": row.batch};
+    for (const [name, times] of Object.entries(frames))
+        if (times)
+            add(
+                name,
+                msText(times.median) + markOf(row) + (times.interval ? ` (${intervalText(times.interval)})` : ""),
+            );
     add(
         "counters a frame",
         Object.entries(row.counters)
