@@ -24,6 +24,7 @@ bool listsTriangles(const Case& c) { return c.variant->listsTriangles; }
 bool cullsMeshlets(const Case& c) { return c.variant->cullsMeshlets; }
 bool testsMeshlets(const Case& c) { return c.clusterCull != ClusterCull::off; }
 bool skinsInCompute(const Case& c) { return c.variant->skinsInCompute; }
+bool skinsFirst(const Case& c) { return skinsInCompute(c) || c.variant->readsSkinned || listsTriangles(c); }
 bool groupsTriangles(const Case& c) { return sharesJointLists(c) && c.ci.grouping == CiGrouping::triangles; }
 
 // --- rows that need more ---------------------------------------------------------------------------------------
@@ -436,7 +437,7 @@ void addDraws(std::vector<Axis>& rows) {
                                 [](Case& c) -> uint32_t& { return c.views; }))));
     rows.push_back(wordAxis<Queues>({.name = "queues",
                                      .option = {.help = ": async skins the next frame on a second one"},
-                                     .applies = skinsInCompute},
+                                     .applies = skinsFirst},
                                     {{"one", Queues::one}, {"async", Queues::async, "async"}},
                                     [](Case& c) -> Queues& { return c.queues; }));
     rows.push_back(wordAxis<View>({.name = "view", .applies = draws, .define = "VIEW"},

@@ -550,6 +550,7 @@ TEST_CASE("the null backend runs every plan of every case") {
             input.skinned = skinned;
             auto timings = null->run(*id, std::vector{input, input});
             REQUIRE(timings);
+            CHECK(plan.passesAhead == (c.queues == Queues::async ? 1 : 0));
             uint64_t bytes = 0;
             for (const Stream& stream : plan.streams)
                 bytes += null->readStream(*id, stream.slot)->size() * (stream.inTurn ? 2 : 1);
