@@ -11,11 +11,11 @@ import sys
 
 program, page, folder = sys.argv[1:]
 SMALL = ["--copies", "1", "--frames", "2", "--size", "64x64"]
-RUNS = {  # skipped, prepass and host-skinned cases; several views; pairs and limits
+RUNS = {  # skipped, prepass and host-skinned cases; several views and queues; pairs and limits
     "cases": ["--routes", "cpu,vk,vk-ext,vk-nv", "--variants", "vertex,cpu,mesh-ci", "--scenario", "prepass",
               "--compute", "plain"],
     "culling": ["--routes", "vk", "--variants", "compute-cull", "--cluster-cull", "list", "--cluster-bounds", "instance",
-                "--views", "2"],
+                "--views", "2", "--queues", "one,async"],
     "pairs": ["--routes", "cpu,vk-ext", "--variants", "cpu,mesh", "--self-test"],
 }
 
@@ -78,7 +78,8 @@ def columns_of(paths, axes):
     """The columns that the values of a case make: an interval two, a list none."""
     for path in paths:
         name = path.removeprefix("cases[].")
-        if name in ("id", "options", "gpu_ms.samples", "gpu_ms.round_sizes", *axes) or path in map(parent, paths):
+        of_list = name.endswith((".samples", ".round_sizes"))
+        if of_list or name in ("id", "options", *axes) or path in map(parent, paths):
             continue
         ends = ("_low", "_high") if name.endswith(".interval") else ("",)
         yield from (name.replace(".", "_") + end for end in ends)
