@@ -435,11 +435,9 @@ void addDraws(std::vector<Axis>& rows) {
                                  .noun = "number of views"},
                                 {{"1", 1}, {"2", 2, "2-views"}, {"4", 4, "4-views"}, {"8", MOST_VIEWS, "8-views"}},
                                 [](Case& c) -> uint32_t& { return c.views; }))));
-    rows.push_back(wordAxis<Queues>({.name = "queues",
-                                     .option = {.help = ": async skins the next frame on a second one"},
-                                     .applies = skinsFirst},
-                                    {{"one", Queues::one}, {"async", Queues::async, "async"}},
-                                    [](Case& c) -> Queues& { return c.queues; }));
+    rows.push_back(wordAxis<Queues>(
+        {.name = "queues", .option = {.help = ": async skins the next frame on a second one"}, .applies = skinsFirst},
+        {{"one", Queues::one}, {"async", Queues::async, "async"}}, [](Case& c) -> Queues& { return c.queues; }));
     rows.push_back(wordAxis<View>({.name = "view", .applies = draws, .define = "VIEW"},
                                   {{"shaded", View::shaded},
                                    {"meshlets", View::meshlets, "view-meshlets"},

@@ -200,15 +200,8 @@ Result<FrameData> makeFrame(Workload& workload, int influences, uint32_t frame) 
     FrameData data;
     data.constants = frameConstants(*framing, frame, settings.move);
 
-    const uint32_t phases = std::min(settings.copies, kPhases);
-    std::vector<Palette> posed(phases);
-    for (uint32_t phase = 0; phase < phases; ++phase)
-        posed[phase] = poseScene(**scene, clip, momentOf(settings, clip, phase, frame));
-    data.palettes.reserve(size_t{settings.copies} * (*scene)->skeleton.joints.size());
-    for (uint32_t copy = 0; copy < settings.copies; ++copy) {
-        const Palette& palette = posed[copy % phases];
-        data.palettes.insert(data.palettes.end(), palette.begin(), palette.end());
-    }
+    for (uint32_t phase = 0; phase < std::min(settings.copies, kPhases); ++phase)
+        data.phases.push_back(poseScene(**scene, clip, momentOf(settings, clip, phase, frame)));
     return data;
 }
 
@@ -254,7 +247,7 @@ Result<InView> inView(Workload& workload, int influences) {
     size_t vertices = 0, triangles = 0, seenCopies = 0;
     for (uint32_t copy = 0; copy < copies; ++copy) {
         const uint32_t phase = copy % kPhases;
-        if (!boxes.contains(phase)) boxes[phase] = posedBounds(mesh, paletteOfCopy(*frame, copies, copy));
+        if (!boxes.contains(phase)) boxes[phase] = posedBounds(mesh, paletteOfCopy(*frame, copy));
         const Bounds& bounds = boxes[phase];
         uint32_t any = 0, all = ~0u;
         for (int corner = 0; corner < 8; ++corner) {
@@ -268,7 +261,7 @@ Result<InView> inView(Workload& workload, int influences) {
         if (all) seen = {};
         if (any && !all) {
             SkinnedReference& skinned = posed[phase];
-            if (skinned.positions.empty()) skinned = skinReference(mesh, paletteOfCopy(*frame, copies, copy));
+            if (skinned.positions.empty()) skinned = skinReference(mesh, paletteOfCopy(*frame, copy));
             for (size_t v = 0; v < planes.size(); ++v)
                 planes[v] = planesBeyond(clipPosition(frame->constants, copy, skinned.positions[v]));
             seen = seenOf(mesh, planes);
@@ -284,10 +277,10 @@ Result<InView> inView(Workload& workload, int influences) {
 
 Result<std::vector<std::byte>> paletteBytes(const PlanInput& input, const std::optional<PaletteBlocks>& blocks,
                                             const FrameData& frame) {
-    const uint32_t phases = std::min(input.copies, kPhases), bytesOfJoint = input.palette.bytesOfJoint();
+    const size_t phases = frame.phases.size(), bytesOfJoint = input.palette.bytesOfJoint();
     std::vector<std::vector<std::byte>> posed(phases);
-    for (uint32_t phase = 0; phase < phases; ++phase) {
-        const auto rows = paletteRows(input.scene->skeleton, paletteOfCopy(frame, input.copies, phase), input.palette);
+    for (size_t phase = 0; phase < phases; ++phase) {
+        const auto rows = paletteRows(input.scene->skeleton, frame.phases[phase], input.palette);
         SKINBENCH_TRY(rows);
         appendRows(posed[phase], *rows, input.palette.format);
     }
@@ -310,10 +303,6 @@ Result<std::vector<std::byte>> paletteBytes(const PlanInput& input, const std::o
     return bytes;
 }
 
-Palette paletteOfCopy(const FrameData& frame, uint32_t copies, uint32_t copy) {
-    const size_t joints = frame.palettes.size() / copies;
-    auto first = frame.palettes.begin() + static_cast<std::ptrdiff_t>(joints * copy);
-    return Palette(first, first + static_cast<std::ptrdiff_t>(joints));
-}
+const Palette& paletteOfCopy(const FrameData& frame, uint32_t copy) { return frame.phases[copy % frame.phases.size()]; }
 
 }  // namespace skinbench

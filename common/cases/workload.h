@@ -62,10 +62,10 @@ Result<Framing> framingOf(Workload& workload, int influences);
 // Copies run through the clip with sixteen different offsets, so that neighbours differ and a wrong copy number shows.
 inline constexpr uint32_t kPhases = 16;
 
-// The palettes of one frame, copy after copy, and its constants.
+// One frame's constants, and its palettes by phase: as many as there are, or as there are copies.
 struct FrameData {
     FrameConstants constants;
-    std::vector<PaletteEntry> palettes;
+    std::vector<Palette> phases;
 };
 Result<FrameData> makeFrame(Workload& workload, int influences, uint32_t frame);
 
@@ -87,7 +87,6 @@ Result<InView> inView(Workload& workload, int influences);
 Result<std::vector<std::byte>> paletteBytes(const PlanInput& input, const std::optional<PaletteBlocks>& blocks,
                                             const FrameData& frame);
 
-// One copy's part of FrameData::palettes.
-Palette paletteOfCopy(const FrameData& frame, uint32_t copies, uint32_t copy);
+const Palette& paletteOfCopy(const FrameData& frame, uint32_t copy);
 
 }  // namespace skinbench

@@ -39,7 +39,7 @@ struct Timer {
         return of.memory ? of.memory->total() * runner.workload.settings.copies : 0;
     }
     bool batches = false;  // cases are timed in RunMode::batch too
-    bool began = false;  // the first warm-up is over
+    bool began = false;    // the first warm-up is over
     Clock::time_point start = Clock::now();
     std::map<size_t, double> took;  // seconds of a case's last round, by result number
     double preparing = 0;           // seconds of the last round that prepared cases

@@ -156,7 +156,7 @@ Culling cullingOf(const Case& c, const PlanInput& input, const FrameData& frame,
     const Mesh decoded = decodedMesh(input);
     std::vector<SkinnedReference> posed(std::min(input.copies, kPhases));
     for (uint32_t phase = 0; phase < posed.size(); ++phase)
-        posed[phase] = skinnedReference(input, decoded, paletteOfCopy(frame, input.copies, phase));
+        posed[phase] = skinnedReference(input, decoded, paletteOfCopy(frame, phase));
     const Tester tester{c, input, meshlets, indices};
     const size_t workers = std::min<size_t>(coreCount(), input.copies);
     std::vector<Culling> sums(workers);

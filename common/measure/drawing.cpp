@@ -31,7 +31,7 @@ Result<std::unique_ptr<HostSkinning>> makeHostSkinning(const Scene& scene, uint3
 
 double skinFrame(HostSkinning& host, const FrameData& frame) {
     const auto copies = static_cast<uint32_t>(host.copies.size());
-    for (uint32_t copy = 0; copy < copies; ++copy) host.palettes[copy] = paletteOfCopy(frame, copies, copy);
+    for (uint32_t copy = 0; copy < copies; ++copy) host.palettes[copy] = paletteOfCopy(frame, copy);
     const auto start = std::chrono::steady_clock::now();
     skinOnCpu({host.copies, host.palettes, host.out}, static_cast<unsigned>(coreCount()));
     return std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start).count();

@@ -50,7 +50,7 @@ std::optional<Hit> findHit(const PlanInput& input, const std::vector<uint32_t>& 
     for (uint32_t copy = 0; copy < input.copies; ++copy) {
         SkinnedReference& skinned = phases[copy % kPhases];
         if (skinned.positions.empty()) {
-            const Palette palette = paletteOfCopy(frame, input.copies, copy);
+            const Palette& palette = paletteOfCopy(frame, copy);
             if (posed)
                 skinned = skinnedReference(input, mesh, palette);
             else

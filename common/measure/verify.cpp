@@ -43,7 +43,7 @@ static RowsError rowsErrorOf(const PlanInput& input, const FrameData& frame, uin
     PaletteForm exact = input.palette;
     exact.format = RowFormat::f32;
     const Mesh& mesh = input.scene->mesh;
-    const Palette palette = paletteOfCopy(frame, input.copies, copy);
+    const Palette& palette = paletteOfCopy(frame, copy);
     const SkinnedReference a = skinReference(mesh, rowsOf(input, palette, exact), exact);
     const SkinnedReference b = skinReference(mesh, rowsOf(input, palette, input.palette), input.palette);
     const glm::dvec2 half(input.width / 2.0, input.height / 2.0);
@@ -100,7 +100,7 @@ References makeReferences(const Case& c, const PlanInput& input, const FrameData
     const Mesh decoded = lossy ? input.encoded->decode() : Mesh{};
     References references;
     for (uint32_t number = 0; number < input.copies; number += std::max(1u, input.copies - 1)) {
-        const Palette palette = paletteOfCopy(frame, input.copies, number);
+        const Palette& palette = paletteOfCopy(frame, number);
         References::Copy& copy = references.copies.emplace_back();
         copy.scale = errorScale(mesh, palette);
         copy.source = repeat(referenceOf(c, input, mesh, palette), sources);
@@ -178,7 +178,7 @@ std::optional<double> codecPositionBound(const Case& c, const PlanInput& input, 
     const Mesh decoded = bounds.addsJoints && posesVertices(c) ? input.encoded->decode() : Mesh{};
     double worst = 0;
     for (uint32_t copy : {0u, input.copies - 1}) {
-        const Palette palette = rounded(input, paletteOfCopy(frame, input.copies, copy));
+        const Palette palette = rounded(input, paletteOfCopy(frame, copy));
         double most = posesVertices(c) ? 0 : glm::length(bounds.position);
         for (size_t v = 0; posesVertices(c) && v < sources.size(); ++v) {
             const Influences more = decoded.influences.empty() ? Influences{} : decoded.influences[v];
@@ -241,14 +241,14 @@ KeptError keptError(const Case& c, const PlanInput& input, const FrameData& befo
             kept[v].normal = glm::vec3(tangent);
             if (tangent.w != sides[v]) worst.tangent = std::numeric_limits<double>::infinity();
         }
-        const Palette now = paletteOfCopy(frame, input.copies, copy);
+        const Palette& now = paletteOfCopy(frame, copy);
         if (!sides.empty())
             worst.tangent =
                 std::max(worst.tangent, compareSkinned(skinnedReference(input, tangential, now), kept, 0).normal);
         if (!layout.previous) continue;
         // A copy that every frame skins has shown the last pose twice.
         const bool twice = c.compute.halfRate && !isFar(frame, input.copies, copy);
-        const Palette then = twice ? now : paletteOfCopy(before, input.copies, copy);
+        const Palette& then = twice ? now : paletteOfCopy(before, copy);
         const double scale = errorScale(input.scene->mesh, then);
         worst.previous =
             std::max(worst.previous, compareSkinned(skinnedReference(input, mesh, then), kept, scale).position);

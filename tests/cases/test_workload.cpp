@@ -139,14 +139,14 @@ TEST_CASE("copies run through the clip with sixteen offsets") {
     for (uint32_t a = 0; a < copies; ++a)
         for (uint32_t b = 0; b < copies; ++b) {
             INFO(a << " " << b);
-            const bool equal = equalPalettes(paletteOfCopy(frame, copies, a), paletteOfCopy(frame, copies, b));
+            const bool equal = equalPalettes(paletteOfCopy(frame, a), paletteOfCopy(frame, b));
             CHECK(equal == (a % kPhases == b % kPhases));
         }
     const float duration = workload.stored.clips[0].duration;
     for (uint32_t copy : {0u, 5u, 20u}) {
         const auto offset = duration * static_cast<float>(copy % kPhases) / static_cast<float>(kPhases);
         const Palette wanted = poseScene(workload.stored, chosenClip(workload), 0.4f + offset);
-        CHECK(equalPalettes(paletteOfCopy(frame, copies, copy), wanted));
+        CHECK(equalPalettes(paletteOfCopy(frame, copy), wanted));
     }
 }
 
@@ -185,7 +185,7 @@ TEST_CASE("every copy stands inside the view, the first one at the top left") {
                 const Mesh& mesh = workload.prepared[4]->mesh;
                 Extent all;
                 for (uint32_t copy = 0; copy < copies; ++copy) {
-                    const Bounds bounds = posedBounds(mesh, paletteOfCopy(frame, copies, copy));
+                    const Bounds bounds = posedBounds(mesh, paletteOfCopy(frame, copy));
                     const Extent extent = projected(frame.constants, bounds, copy);
                     all.min = glm::min(all.min, extent.min);
                     all.max = glm::max(all.max, extent.max);

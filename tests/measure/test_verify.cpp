@@ -32,7 +32,7 @@ std::vector<SkinnedVertex> skinDecoded(const PlanInput& input, const FrameData& 
     const Mesh decoded = decodeOnCpu(input.scene->mesh, *input.encoded);
     std::vector<SkinnedVertex> captured;
     for (uint32_t copy : {0u, input.copies - 1}) {
-        const Palette palette = paletteOfCopy(frame, input.copies, copy);
+        const Palette& palette = paletteOfCopy(frame, copy);
         std::vector<SkinnedVertex> out(decoded.positions.size());
         skinOnCpu({{&decoded, 1}, {&palette, 1}, out}, 1);
         captured.insert(captured.end(), out.begin(), out.end());

@@ -203,7 +203,7 @@ TEST_CASE("uniform palettes are blocks that draws point into") {
         for (size_t i = 0; i < blocks->joints.size(); ++i) {
             if (blocks->joints[i] == kNoJoint) continue;
             const size_t at = i / blocks->size * blocks->stride() + i % blocks->size * sizeof(PaletteEntry);
-            CHECK(std::memcmp(&bytes[at], &frame.palettes[blocks->joints[i]], sizeof(PaletteEntry)) == 0);
+            CHECK(std::memcmp(&bytes[at], &frame.phases[0][blocks->joints[i]], sizeof(PaletteEntry)) == 0);
         }
     }
     DeviceCaps small = generousCaps(Api::vulkan);
