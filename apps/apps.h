@@ -138,6 +138,9 @@ std::string viewWarning(const Workload& workload, const InView& seen);
 // The first SIGINT, SIGTERM or SIGHUP ends the run after the current case; another one, more than a second later, at
 // once. A signal that was ignored stays so (nohup). A reader of standard output that goes away ends nothing.
 void catchInterrupts();
+
+// Until then such a signal is one line, and ends the program as it would without.
+void catchEarlyInterrupts();
 bool interrupted();
 
 // Progress on a terminal, the end at an interrupt, and what `context` tells of devices and durations; the checkpoint is

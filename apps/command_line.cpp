@@ -147,6 +147,7 @@ std::string shellWord(const std::string& word) {
 int guarded(int (*program)(int argc, char** argv), int argc, char** argv) {
     openStandardStreams();
     catchCrashes();
+    catchEarlyInterrupts();
     // A write past the limit of a file's size fails like any other.
     signal(SIGXFSZ, SIG_IGN);
     try {

@@ -32,6 +32,26 @@ void onSignal(int signal) {
     raise(signal);
 }
 
+// Nothing was measured yet that could be kept.
+void onEarlySignal(int signal) {
+    constexpr std::string_view kLine = "skinbench: interrupted\n";
+    const ssize_t written = write(STDERR_FILENO, kLine.data(), kLine.size());
+    static_cast<void>(written);
+    ::signal(signal, SIG_DFL);
+    raise(signal);
+}
+
+// A signal that whoever started the program ignores stays ignored.
+void catchWith(void (*handler)(int)) {
+    for (int signal : {SIGINT, SIGTERM, SIGHUP}) {
+        struct sigaction action = {}, before = {};
+        sigaction(signal, nullptr, &before);
+        if (before.sa_handler == SIG_IGN) continue;
+        action.sa_handler = handler;
+        sigaction(signal, &action, nullptr);
+    }
+}
+
 std::string leftText(double seconds) {
     return seconds < 90 ? std::format("{:.0f} s left", std::ceil(seconds))
                         : std::format("{:.0f} min left", std::ceil(seconds / 60));
@@ -53,14 +73,10 @@ void drawProgress(const Progress& progress) {
 
 }  // namespace
 
+void catchEarlyInterrupts() { catchWith(onEarlySignal); }
+
 void catchInterrupts() {
-    for (int signal : {SIGINT, SIGTERM, SIGHUP}) {
-        struct sigaction action = {}, before = {};
-        sigaction(signal, nullptr, &before);
-        if (before.sa_handler == SIG_IGN) continue;
-        action.sa_handler = onSignal;
-        sigaction(signal, &action, nullptr);
-    }
+    catchWith(onSignal);
     ::signal(SIGPIPE, SIG_IGN);
 }
 

@@ -222,6 +222,16 @@ TEST_CASE("an interrupted bench keeps what was measured") {
     }
 }
 
+TEST_CASE("a bench that is interrupted before it begins says so, and ends by the signal") {
+    const Running running = start({"bench", "builtin:biped:1000000", "--routes", "cpu", "--out", "before"});
+    std::this_thread::sleep_for(std::chrono::milliseconds(300));
+    kill(running.pid, SIGTERM);
+    const Outcome outcome = finish(running);
+    CHECK(outcome.status == 128 + SIGTERM);
+    CHECK(outcome.err == "skinbench: interrupted\n");
+    CHECK_FALSE(fs::exists(pathOf("before/results.json")));
+}
+
 TEST_CASE("a bench that is interrupted early says which cases were not measured") {
     const Running running = start({"bench", "builtin:biped:60000", "--routes", "cpu", "--influences", "4,8", "--copies",
                                    "8", "--frames", "400", "--rounds", "1", "--out", "early", "--json"});
