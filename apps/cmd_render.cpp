@@ -102,18 +102,27 @@ Result<std::unique_ptr<Drawer>> openDrawer(RenderOptions& options) {
     return std::make_unique<Drawer>(std::move(*devices), std::move(*workload), std::move(*cases));
 }
 
+// A picture as a verifying plan draws it, with what is wrong about it and what its colours mean.
+Result<Picture> checkedPicture(Drawer& drawer, const Case& c) {
+    const OpenBackend& open = drawer.devices.byApi[c.route->api];
+    if (!open.backend) return deviceError(open.missing);
+    auto picture = renderPicture(drawer.workload, c, *open.backend);
+    SKINBENCH_TRY(picture);
+    if (!picture->fault.empty()) warn(std::format("{} is drawn, and is not right: {}", caseId(c), picture->fault));
+    if (c.view == View::culled && picture->culling)
+        for (const LegendRow& row : legendOf(c, *picture->culling)) say(std::format("{:<10}  {}", row.name, row.text));
+    return picture;
+}
+
 Result<Image> render(RenderOptions options) {
     auto drawer = openDrawer(options);
     SKINBENCH_TRY(drawer);
     std::vector<Image> images;
     for (const Case& c : (*drawer)->cases) {
-        const OpenBackend& open = (*drawer)->devices.byApi[c.route->api];
-        if (!open.backend) return deviceError(open.missing);
-        auto picture = renderPicture((*drawer)->workload, c, *open.backend);
+        if ((*drawer)->cases.size() > 1) say(std::format("picture {}: {}", images.size() + 1, caseId(c)));
+        auto picture = checkedPicture(**drawer, c);
         SKINBENCH_TRY(picture);
-        if (!picture->fault.empty()) warn(std::format("{} is drawn, and is not right: {}", caseId(c), picture->fault));
         images.push_back(std::move(picture->image));
-        if ((*drawer)->cases.size() > 1) say(std::format("picture {}: {}", images.size(), caseId(c)));
     }
     return together(options, std::move(images));
 }
@@ -121,12 +130,8 @@ Result<Image> render(RenderOptions options) {
 // The first moment is checked as a picture is; then each case stays on its device.
 Result<void> prepareAll(Drawer& drawer) {
     for (const Case& c : drawer.cases) {
-        const OpenBackend& open = drawer.devices.byApi[c.route->api];
-        if (!open.backend) return deviceError(open.missing);
-        auto picture = renderPicture(drawer.workload, c, *open.backend);
-        SKINBENCH_TRY(picture);
-        if (!picture->fault.empty()) warn(std::format("{} is drawn, and is not right: {}", caseId(c), picture->fault));
-        auto planned = planCase(drawer.workload, c, open.backend, false);
+        SKINBENCH_TRY(checkedPicture(drawer, c));
+        auto planned = planCase(drawer.workload, c, drawer.devices.byApi[c.route->api].backend, false);
         SKINBENCH_TRY(planned);
         auto ready = prepareCase(std::move(*planned));
         SKINBENCH_TRY(ready);

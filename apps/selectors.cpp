@@ -206,11 +206,27 @@ std::string viewWarning(const Workload& workload, const InView& seen) {
         workload.stored.name, (1 - seen.vertices) * 100);
 }
 
+static Result<void> checkCulled(const Case& c) {
+    if (c.scenario == Scenario::prepass)
+        return inputError(
+            "view culled shows no pre-pass, whose image is drawn where the depth is equal: what is culled has none");
+    if (verdictsOf(c).size() > 1) return {};
+    if (c.clusterCull != ClusterCull::off)
+        return inputError("view culled needs a test to show; leave out --cluster-tests none");
+    if (c.variant->listsTriangles)
+        return inputError("view culled needs a test to show; leave out --triangle-tests none");
+    if (c.variant->cullsMeshlets)
+        return inputError("view culled needs a case that culls; add --cluster-cull task or list, or --cull compact");
+    return inputError(std::string("view culled needs a variant that culls, not ") + c.variant->name +
+                      ": compute-cull, or mesh, mesh-ci or compute-mesh with --cluster-cull or --cull");
+}
+
 Result<void> checkView(const Case& c) {
     if (c.view == View::meshlets && !c.builder)
         return inputError(std::string("view meshlets needs a mesh route, not ") + c.route->name);
     if (c.view == View::velocity && !c.compute.previous)
         return inputError("view velocity needs --variant compute --compute previous");
+    if (c.view == View::culled) return checkCulled(c);
     if (c.view == View::shaded || c.view == View::normals || c.view == View::velocity) return {};
     if (c.variant->readsSkinned || (!c.builder && !c.variant->fetches))
         return inputError(std::string("view ") + findAxis("view")->get(c) +

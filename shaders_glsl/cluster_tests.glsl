@@ -1,15 +1,13 @@
 // The verdict on a meshlet, by CLUSTER_TESTS and CLUSTER_BOUNDS. The words are drawn in common/meshlets/cluster_bounds.h.
 #include "palette.glsl"
 #include "cluster_math.glsl"
+#include "verdicts.glsl"
 
 layout(std430, binding = SLOT_CLUSTER) readonly restrict buffer ClusterBlock { uvec4 clusters[]; };
 #if CLUSTER_BOUNDS == BOUNDS_INSTANCE
 layout(std430, binding = SLOT_INSTANCE) readonly restrict buffer InstanceBlock { vec4 instanceBoxes[]; };
 #else
 layout(std430, binding = SLOT_CLUSTER_PART) readonly restrict buffer ClusterPartBlock { uvec4 clusterParts[]; };
-#endif
-#if CAPTURE
-layout(std430, binding = SLOT_VERDICT) writeonly restrict buffer VerdictBlock { uint verdicts[]; };
 #endif
 
 uvec4 clusterHeader(uint number, uint copyNumber) {
@@ -79,10 +77,11 @@ uint findVerdict(uint number, uint copyNumber) {
     return VERDICT_DRAWN;
 }
 
-bool isClusterDrawn(uint number, uint copyNumber) {
+// Whether the pass shows it; most show what is drawn.
+bool isClusterShown(uint number, uint copyNumber) {
     uint verdict = findVerdict(number, copyNumber);
-#if CAPTURE
+#if STORES_VERDICTS
     verdicts[copyNumber * uint(MESHLET_COUNT) + number] = verdict;
 #endif
-    return verdict == VERDICT_DRAWN;
+    return showsMeshlets(verdict);
 }

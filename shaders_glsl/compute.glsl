@@ -19,9 +19,7 @@ layout(std430, binding = SLOT_TANGENT) readonly restrict buffer TangentBlock { v
 #if LISTS_TRIANGLES
 #include "capture.glsl"
 #include "commands.glsl"
-#if CAPTURE
-layout(std430, binding = SLOT_VERDICT) restrict buffer VerdictBlock { uint verdicts[]; };
-#endif
+#include "verdicts.glsl"
 #endif
 
 // Copies the palette of the copy to shared memory, a row an invocation.
@@ -92,7 +90,7 @@ void main() {
     captureVertex(skinned.position, skinned.normal, vertex.uv, copyNumber, place - copyNumber * uint(VERTEX_COUNT));
     if (i == 0u)  // the passes that count come next
         for (uint view = 0u; view < uint(VIEWS); ++view) commands[commandOf(copyNumber, view)].count = 0u;
-#if CAPTURE
+#if STORES_VERDICTS
     if (place == 0u)
         for (uint word = 0u; word < uint(COUNTED_WORDS); ++word) verdicts[uint(FIRST_COUNTED) + word] = 0u;
 #endif

@@ -10,6 +10,7 @@
 // (EXCHANGE_SHUFFLE, for CULL_COMPACT) or in the outputs (EXCHANGE_OUTPUTS, for CULL_TORABI on NV, as Torabi's listing
 // does; EXT forbids to read them). Both of those count the triangles that are left by ballots.
 #include "meshlet.glsl"
+#include "verdicts.glsl"
 #if CULL != CULL_TORABI
 #include "triangle_tests.glsl"
 #endif
@@ -82,14 +83,25 @@ bool isBackFace(OFFERED a, OFFERED b, OFFERED c) {
 }
 #endif
 
-// A bit a triangle: 1 where first + bit is there and not known to be a back face. With shuffles every lane must call it.
+// Stores for the legend of the view `culled` which of four triangles are drawn.
+void storeFour(Meshlet meshlet, uint first, uint kept) {
+#if STORES_VERDICTS
+    uint place = (meshlet.copyNumber * uint(MESHLET_COUNT) + meshlet.number) * uint(MESHLET_TRIANGLES / 4) + first / 4u;
+    if (VIEW_NUMBER == VERDICT_DRAWN && first < meshlet.triangleCount) verdicts[uint(FIRST_FOURS) + place] = kept;
+#endif
+}
+
+// A bit a triangle: 1 where first + bit is there and the pass shows it: where it is not known to be a back face. With
+// shuffles every lane must call it.
 uint keptOfFour(Meshlet meshlet, uint first, uvec3 words) {
     uint kept = 0u;
     UNROLL for (uint which = 0u; which < 4u; ++which) {
         uvec3 corners = triangleOfFour(words, which);
         bool back = isBackFace(offeredBy(corners.x), offeredBy(corners.y), offeredBy(corners.z));
-        if (!back && first + which < meshlet.triangleCount) kept |= 1u << which;
+        bool shown = showsTriangles(back ? VERDICT_TRIANGLE_AWAY : VERDICT_DRAWN);
+        if (shown && first + which < meshlet.triangleCount) kept |= 1u << which;
     }
+    storeFour(meshlet, first, kept);
     return kept;
 }
 

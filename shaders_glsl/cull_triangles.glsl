@@ -5,12 +5,10 @@
 #include "skinned.glsl"
 #include "commands.glsl"
 #include "triangle_tests.glsl"
+#include "verdicts.glsl"
 #if CLUSTER_CULL == CLUSTER_LIST
 layout(std430, binding = SLOT_CLUSTER) readonly restrict buffer ClusterBlock { uvec4 clusters[]; };
 layout(std430, binding = SLOT_CLUSTER_LIST) readonly restrict buffer ClusterListBlock { uint listedMeshlets[]; };
-#endif
-#if CAPTURE
-layout(std430, binding = SLOT_VERDICT) restrict buffer VerdictBlock { uint verdicts[]; };
 #endif
 
 layout(local_size_x = CULL_GROUP) in;
@@ -21,30 +19,30 @@ layout(std430, binding = SLOT_VISIBLE) writeonly restrict buffer VisibleBlock { 
 shared uint keptBits[CULL_GROUP / 32];
 shared uint firstPlace;
 
-bool leaveOut(uint counted) {
-#if CAPTURE
-    atomicAdd(verdicts[uint(FIRST_COUNTED) + counted], 1u);
+bool leaveOut(uint verdict) {
+#if STORES_VERDICTS
+    if (VIEW_NUMBER == VERDICT_DRAWN) atomicAdd(verdicts[uint(FIRST_COUNTED) + verdict - VERDICT_TRIANGLE_BEYOND], 1u);
 #endif
-    return false;
+    return showsTriangles(verdict);
 }
 
-// Nothing says that the triangle cannot be seen.
-bool isVisible(vec4 a, vec4 b, vec4 c) {
+// Whether the pass shows the triangle: where nothing says that it cannot be seen.
+bool isShown(vec4 a, vec4 b, vec4 c) {
 #if (TRIANGLE_TESTS & TEST_FRUSTUM) != 0
-    if (isBeyondOnePlane(a, b, c)) return leaveOut(COUNTED_BEYOND);
+    if (isBeyondOnePlane(a, b, c)) return leaveOut(VERDICT_TRIANGLE_BEYOND);
 #endif
 #if (TRIANGLE_TESTS & (TEST_BACK | TEST_SMALL)) != 0
     if (isTrusted(a) && isTrusted(b) && isTrusted(c)) {
         vec2 pa = screenPosition(a), pb = screenPosition(b), pc = screenPosition(c);
 #if (TRIANGLE_TESTS & TEST_BACK) != 0
-        if (facesAway(pa, pb, pc)) return leaveOut(COUNTED_AWAY);
+        if (facesAway(pa, pb, pc)) return leaveOut(VERDICT_TRIANGLE_AWAY);
 #endif
 #if (TRIANGLE_TESTS & TEST_SMALL) != 0
-        if (coversNoSample(pa, pb, pc)) return leaveOut(COUNTED_SMALL);
+        if (coversNoSample(pa, pb, pc)) return leaveOut(VERDICT_TRIANGLE_SMALL);
 #endif
     }
 #endif
-    return true;
+    return showsTriangles(VERDICT_DRAWN);
 }
 
 void main() {
@@ -81,9 +79,9 @@ void main() {
     bool kept = false;
     if (there) {
         corners = uvec3(sourceIndices[source], sourceIndices[source + 1u], sourceIndices[source + 2u]);
-        kept = isVisible(clipPosition(skinnedVertices[firstVertex + corners.x].positionU.xyz, copyNumber),
-                         clipPosition(skinnedVertices[firstVertex + corners.y].positionU.xyz, copyNumber),
-                         clipPosition(skinnedVertices[firstVertex + corners.z].positionU.xyz, copyNumber));
+        kept = isShown(clipPosition(skinnedVertices[firstVertex + corners.x].positionU.xyz, copyNumber),
+                       clipPosition(skinnedVertices[firstVertex + corners.y].positionU.xyz, copyNumber),
+                       clipPosition(skinnedVertices[firstVertex + corners.z].positionU.xyz, copyNumber));
     }
     if (kept) atomicOr(keptBits[lane / 32u], 1u << (lane % 32u));
     memoryBarrierShared();

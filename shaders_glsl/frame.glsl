@@ -1,7 +1,7 @@
 // What every stage knows about the frame and about the copy that it works on.
 //
 // drawConstants: x: copy, y: first work group of the draw (draws above the device's group count are split).
-// w: with OTHER_VIEW the number of the view, 1 to MOST_VIEWS - 1.
+// w: with OTHER_VIEW the number of the view, 1 to MOST_VIEWS - 1; in the view `culled` the verdict that the pass shows.
 // A batched draw covers all copies; there the copy follows from the vertex, group or invocation number.
 #include "shared.h"
 #include "platform.glsl"
@@ -19,7 +19,11 @@ layout(std140, binding = SLOT_FRAME) uniform FrameBlock { FrameConstants frame; 
 #define VIEW_NUMBER drawConstants.w
 #define VIEW_PROJECTION frame.otherViews[VIEW_NUMBER - 1u]
 #else
+#if VIEW == VIEW_CULLED
+#define VIEW_NUMBER drawConstants.w
+#else
 #define VIEW_NUMBER 0u
+#endif
 #define VIEW_PROJECTION frame.viewProjection
 #endif
 
@@ -37,3 +41,11 @@ vec4 clipPosition(vec3 skinned, uint copyNumber) {
     EXACT vec4 clip = VIEW_PROJECTION * vec4(placed, 1.0);
     return clip;
 }
+
+// Where a vertex is drawn whose clip position is given: there, or where the overview sees what the tests see from their
+// own camera.
+#if VIEW == VIEW_CULLED
+#define DRAWN_AT(clip, skinned, copyNumber) (frame.overview * vec4((skinned) + copyOffset(copyNumber), 1.0))
+#else
+#define DRAWN_AT(clip, skinned, copyNumber) clip
+#endif

@@ -19,7 +19,7 @@ void main() {
         if (lane < uint(LIST_GROUP / 32)) drawnBits[lane] = 0u;
         memoryBarrierShared();
         barrier();
-        bool drawn = number < uint(MESHLET_COUNT) && isClusterDrawn(number, copyNumber);
+        bool drawn = number < uint(MESHLET_COUNT) && isClusterShown(number, copyNumber);
         if (drawn) atomicOr(drawnBits[lane / 32u], 1u << (lane % 32u));
         memoryBarrierShared();
         barrier();

@@ -21,7 +21,9 @@ void saveVertex(Meshlet meshlet, LaneVertex made) {
 }
 
 void writeVertex(Meshlet meshlet, uint i, LaneVertex made) {
-    emitMeshVertex(i, clipPosition(made.skinned.position, meshlet.copyNumber), made.skinned.normal, made.uv, made.color);
+    vec4 clip = clipPosition(made.skinned.position, meshlet.copyNumber);
+    vec4 drawn = DRAWN_AT(clip, made.skinned.position, meshlet.copyNumber);
+    emitMeshVertex(i, drawn, made.skinned.normal, made.uv, made.color);
 }
 
 #if CULL == CULL_COMPACT
@@ -31,7 +33,8 @@ void writeVertex(Meshlet meshlet, uint i, LaneVertex made) {
 void finishVertex(Meshlet meshlet, uint i, LaneVertex made, vec4 clip) {
     saveVertex(meshlet, made);
 #if WRITES_FIRST
-    emitMeshVertex(i, clip, made.skinned.normal, made.uv, made.color);
+    vec4 drawn = DRAWN_AT(clip, made.skinned.position, meshlet.copyNumber);
+    emitMeshVertex(i, drawn, made.skinned.normal, made.uv, made.color);
 #endif
 }
 
@@ -76,7 +79,8 @@ void main() {
     UNROLL for (uint k = 0u; k < VERTICES_OF_LANE; ++k) {
         uint i = gl_LocalInvocationID.x + k * uint(GROUP_SIZE);
         if (i < meshlet.vertexCount)
-            emitMeshVertex(i, clip[k], made[k].skinned.normal, made[k].uv, made[k].color);
+            emitMeshVertex(i, DRAWN_AT(clip[k], made[k].skinned.position, meshlet.copyNumber), made[k].skinned.normal,
+                           made[k].uv, made[k].color);
     }
 #elif MESH_NV
     setMeshletCounts(meshlet.vertexCount, total);

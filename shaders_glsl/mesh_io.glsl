@@ -51,7 +51,7 @@ void emitMeshVertex(uint i, vec4 position, vec3 normal, vec2 uv, vec3 color) {
 #else
     surface[i].normal = normal;
     surface[i].uv = uv;
-#if VIEW != VIEW_SHADED
+#if VERTEX_COLORS
     surface[i].color = color;
 #endif
 #endif

@@ -31,7 +31,9 @@
 #define SLOT_CLUSTER_PART 15  // bounds of what each of its joints moves
 #define SLOT_CLUSTER_LIST 16  // numbers of the meshlets that are drawn, copy after copy
 #define SLOT_INSTANCE 17      // center and extent (vec4 each) of a box around each posed copy
-#define SLOT_VERDICT 18       // VERDICT_ of every meshlet, copy after copy, then COUNTED_ words; of verifying plans only
+#define SLOT_VERDICT 18       // of verifying plans and the view `culled`: VERDICT_ of every meshlet, copy after copy;
+                              // how many triangles compute-cull leaves out by each test; and in that view, where mesh
+                              // stages cull, a word for every four triangles of a meshlet, a bit for each that is drawn
 
 #define SLOT_COUNT 19
 
@@ -53,6 +55,7 @@
 #define VIEW_RESOLUTION 5
 #define VIEW_NORMALS 6
 #define VIEW_JOINTS 7
+#define VIEW_CULLED 8
 #define CULL_OFF 0
 #define CULL_COMPACT 1
 #define CULL_PRIMITIVE 2
@@ -74,13 +77,26 @@
 #define BOUNDS_ONE_SPHERE 1
 #define BOUNDS_JOINT_BOXES 2
 #define BOUNDS_INSTANCE 3
+
+// What tests say of meshlets and, from the fourth on, of triangles: the first test that leaves them out.
 #define VERDICT_DRAWN 0
 #define VERDICT_BEYOND 1  // outside the view volume
 #define VERDICT_AWAY 2    // all faces turn away
-#define COUNTED_BEYOND 0  // triangles that compute-cull leaves out, by the first test that says so
-#define COUNTED_AWAY 1
-#define COUNTED_SMALL 2
-#define COUNTED_WORDS 3
+#define VERDICT_TRIANGLE_BEYOND 3
+#define VERDICT_TRIANGLE_AWAY 4
+#define VERDICT_TRIANGLE_SMALL 5  // covers no centre of a pixel
+#define VERDICT_COUNT 6
+#define COUNTED_WORDS 3  // of the last three in SLOT_VERDICT
+
+// Red, green and blue of each in the view `culled`: the colours of Okabe and Ito ("Color Universal Design", 2008),
+// which people with any colour vision can keep apart.
+#define COLOR_DRAWN 0.00, 0.62, 0.45
+#define COLOR_BEYOND 0.00, 0.45, 0.70
+#define COLOR_AWAY 0.84, 0.37, 0.00
+#define COLOR_TRIANGLE_BEYOND 0.34, 0.71, 0.91
+#define COLOR_TRIANGLE_AWAY 0.94, 0.89, 0.26
+#define COLOR_TRIANGLE_SMALL 0.80, 0.47, 0.65
+
 #define ZERO_WEIGHTS_LOAD 0
 #define ZERO_WEIGHTS_SKIP 1
 #define ZERO_WEIGHTS_COUNT 2
@@ -100,10 +116,11 @@ struct FrameConstants {
     mat4 viewProjection;  // y already points down, depth 0..1: both APIs store row 0 at the top
     vec4 grid;            // x: columns, y: distance between columns, z: distance between rows, w: number of the frame
     mat4 otherViews[MOST_VIEWS - 1];  // like viewProjection, of the views that draw depth alone
+    mat4 overview;                    // what the view `culled` is drawn from: every copy, from aside
 };
 
 #ifdef __cplusplus
-static_assert(sizeof(FrameConstants) == 528);
+static_assert(sizeof(FrameConstants) == 592);
 }  // namespace skinbench
 #endif
 

@@ -1,5 +1,5 @@
 // Between the geometry stage and the pixel: what crosses it (lean: a normal and a uv) and how it is shaded.
-// Views replace the shading by a colour that the geometry stage chooses per vertex.
+// Views replace the shading by a colour that the geometry stage chooses per vertex; that of culling has one a pass.
 #include "shared.h"
 
 // A colour that tells neighbours apart: hue from the golden ratio, brightness in three steps.
@@ -12,10 +12,11 @@ vec3 labelColor(uint label) {
 }
 
 // One block: NVIDIA's OpenGL compiler refuses a mesh stage's outputs as separate arrays.
-#if VIEW == VIEW_SHADED
-#define SURFACE_COLOR
-#else
+#define VERTEX_COLORS (VIEW != VIEW_SHADED && VIEW != VIEW_CULLED)
+#if VERTEX_COLORS
 #define SURFACE_COLOR vec3 color;
+#else
+#define SURFACE_COLOR
 #endif
 #if SPARE_OUTPUT
 #include "surface_spare.glsl"
@@ -55,10 +56,22 @@ vec3 resolutionColor(vec3 unit) {
 }
 #endif
 
+#if VIEW == VIEW_CULLED
+#include "frame.glsl"
+
+const vec3 verdictColors[VERDICT_COUNT] =
+    vec3[](vec3(COLOR_DRAWN), vec3(COLOR_BEYOND), vec3(COLOR_AWAY), vec3(COLOR_TRIANGLE_BEYOND),
+           vec3(COLOR_TRIANGLE_AWAY), vec3(COLOR_TRIANGLE_SMALL));
+#endif
+
 void main() {
     vec3 n = normalize(READ_NORMAL);
 #if VIEW == VIEW_NORMALS
     pixel = KEEP_SURFACE(vec4(n * 0.5 + 0.5, 1.0));
+#elif VIEW == VIEW_CULLED
+    // White light: a darker pixel has the hue of the legend still.
+    float light = 0.7 + 0.3 * dot(n, normalize(vec3(0.45, 0.65, 0.62)));
+    pixel = KEEP_SURFACE(vec4(verdictColors[VIEW_NUMBER] * light, 1.0));
 #else
     float key = max(dot(n, normalize(vec3(0.45, 0.65, 0.62))), 0.0);
     float fill = 0.5 + 0.5 * n.y;

@@ -39,9 +39,9 @@ bool isGroupDrawn(uint group) {
 #if BATCHED
     uint copyNumber = group / uint(MESHLET_COUNT);
     uint number = group - copyNumber * uint(MESHLET_COUNT);
-    return copyNumber < uint(COPY_COUNT) && isClusterDrawn(number, copyNumber);
+    return copyNumber < uint(COPY_COUNT) && isClusterShown(number, copyNumber);
 #else
-    return group < uint(MESHLET_COUNT) && isClusterDrawn(group, drawConstants.x);
+    return group < uint(MESHLET_COUNT) && isClusterShown(group, drawConstants.x);
 #endif
 }
 

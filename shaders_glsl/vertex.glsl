@@ -27,7 +27,7 @@ void main() {
     Skinned skinned = keepVertex(vertex);
 #endif
     emitVertex(skinned.position, skinned.normal, vertex.uv, copyNumber);
-#if VIEW != VIEW_SHADED && !DEPTH_ONLY
+#if VERTEX_COLORS && !DEPTH_ONLY
     surface.color = viewColor(vertex, 0u, false);
 #endif
 #if PREPASS

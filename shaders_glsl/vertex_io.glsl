@@ -18,7 +18,7 @@ uint vertexCopy() {
 }
 
 void emitVertex(vec3 position, vec3 normal, vec2 uv, uint copyNumber) {
-    gl_Position = clipPosition(position, copyNumber);
+    gl_Position = DRAWN_AT(clipPosition(position, copyNumber), position, copyNumber);
 #if !DEPTH_ONLY
     surface.normal = normal;
     surface.uv = uv;

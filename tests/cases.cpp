@@ -29,6 +29,9 @@ const std::vector<AxisWords>& together() {
         {{"cluster_cull", {"task"}}, {"cluster_tests", {"none", "cone"}}},
         {{"cluster_cull", {"task", "list"}}, {"cull", {"compact"}}, {"palette", {"uniform"}}},
         {{"cluster_cull", {"task"}}, {"submission", {"batched"}}},
+        {{"cluster_cull", {"task", "list"}}, {"cull", {"compact"}}, {"view", {"culled"}}},
+        {{"cluster_cull", {"task"}}, {"submission", {"batched"}}, {"view", {"culled"}}},
+        {{"cull", {"torabi"}}, {"view", {"culled"}}},
         {{"cull", {"compact"}}, {"meshlet_limits", {"128/256"}}, {"scenario", {"direct", "prepass"}}},
         {{"scenario", {"prepass"}}, {"submission", {"batched"}}},
         {{"views", {"2"}}, {"scenario", {"prepass"}}},
@@ -63,6 +66,7 @@ const std::vector<AxisWords>& together() {
 bool isSeen(const Case& c) {
     if (c.view == View::shaded) return true;
     if (c.view == View::velocity) return c.compute.previous;
+    if (c.view == View::culled) return verdictsOf(c).size() > 1 && c.scenario == Scenario::direct;
     return c.builder || (c.view != View::meshlets && c.variant->fetches);
 }
 

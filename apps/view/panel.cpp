@@ -157,6 +157,16 @@ std::string memoryText(const MemoryBytes& memory) {
     return text;
 }
 
+void drawLegend(const std::vector<LegendRow>& legend) {
+    for (const LegendRow& row : legend) {
+        const ImVec4 color(row.color.x, row.color.y, row.color.z, 1);
+        const float size = ImGui::GetFontSize();
+        ImGui::ColorButton(row.name.c_str(), color, ImGuiColorEditFlags_NoTooltip, {size, size});
+        ImGui::SameLine();
+        ImGui::TextWrapped("%s", row.text.c_str());
+    }
+}
+
 void drawMeasured(Viewer& view) {
     ImGui::TextWrapped("What you see here are not bench figures: other work runs beside it.");
     ImGui::TextWrapped("%s", std::format("frame {}, {:.1f} a second", view.shown->number, view.rate).c_str());
@@ -165,6 +175,9 @@ void drawMeasured(Viewer& view) {
         const History& history = view.history[pane];
         if (!picture.error.empty() || history.total.empty()) continue;
         ImGui::SeparatorText(pane == 0 ? "A" : "B");
+        ImGui::PushID(static_cast<int>(pane));
+        drawLegend(picture.legend);
+        ImGui::PopID();
         ImGui::PlotLines(pane == 0 ? "##graph A" : "##graph B", history.total.data(),
                          static_cast<int>(history.total.size()), 0, history.figures.c_str(), 0, FLT_MAX,
                          {-FLT_MIN, 48 * view.scale});

@@ -170,11 +170,18 @@ Result<void> draw(Work& work, const Request& request, size_t pane, Shown& shown)
     auto image = lane.ready->backend->readImage(*lane.ready->plan);
     SKINBENCH_TRY(image);
     picture.image = std::move(*image);
+    if (c.view == View::culled) {
+        const auto verdicts = readVerdicts(c, *lane.ready);
+        SKINBENCH_TRY(verdicts);
+        picture.legend = legendOf(c, countVerdicts(c, lane.ready->input, *verdicts));
+    }
     if (request.accuracy)
         picture.accuracy =
             accuracyText(work, c, *lane.ready->backend) + countersText(*lane.ready, std::span(*frames).last(1));
-    if (request.pick && request.pick->pane == pane)
-        picture.picked = pickLines(c, lane.ready->input, frames->back(), request.pick->at);
+    if (!request.pick || request.pick->pane != pane) return {};
+    const auto verdicts = attempt([&] { return verdictsOfPose(*work.workload, c, *lane.ready->backend); });
+    picture.picked = pickLines(c, lane.ready->input, frames->back(), request.pick->at,
+                               verdicts ? *verdicts : std::vector<uint32_t>());
     return {};
 }
 

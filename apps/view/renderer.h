@@ -36,6 +36,7 @@ struct Drawn {
     std::vector<std::pair<std::string, double>> passes;  // milliseconds
     MemoryBytes memory;                                  // of one copy
     std::optional<MeshletStats> meshlets;
+    std::vector<LegendRow> legend;    // of View::culled, else empty
     std::string accuracy;             // in words; empty: not asked for
     std::vector<std::string> picked;  // lines; empty: not asked for, or nothing there
 };

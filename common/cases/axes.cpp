@@ -446,7 +446,8 @@ void addDraws(std::vector<Axis>& rows) {
                                    {"velocity", View::velocity, "view-velocity"},
                                    {"resolution", View::resolution, "view-resolution"},
                                    {"normals", View::normals, "view-normals"},
-                                   {"joints", View::joints, "view-joints"}},
+                                   {"joints", View::joints, "view-joints"},
+                                   {"culled", View::culled, "view-culled"}},
                                   [](Case& c) -> View& { return c.view; }));
     rows.back().benched = false;
     rows.back().changesPicture = true;

@@ -48,9 +48,13 @@ Grid layOut(const Framing& framing) {
 // To one side and to the other in turn, ever farther: 15, -15, 30, … degrees. The main view is number 0.
 float turnOf(uint32_t view) { return 15.0f * static_cast<float>((view + 1) / 2) * (view % 2 ? 1.0f : -1.0f); }
 
+float aspectOf(const Framing& framing) {
+    return static_cast<float>(framing.width) / static_cast<float>(framing.height);
+}
+
 // A turned view steps back until the grid's near end fits.
 Look fromTheFront(const Framing& framing, const Grid& grid, uint32_t view) {
-    const float aspect = static_cast<float>(framing.width) / static_cast<float>(framing.height);
+    const float aspect = aspectOf(framing);
     const float fieldOfView = glm::radians(20.0f);
     const float turn = glm::radians(turnOf(view)), aside = std::abs(std::sin(turn));
     const float gridWidth = grid.columns * grid.cellWidth;
@@ -87,8 +91,25 @@ Look lookOf(const Framing& framing, const Grid& grid, uint32_t view) {
     return framing.camera == Camera::inside ? fromInside(grid, view) : fromTheFront(framing, grid, view);
 }
 
+// From the right and above, as near as all copies fit: what cameras leave out lies beside, behind and far from them.
+Look fromAside(const Framing& framing, const Grid& grid) {
+    const float turn = glm::radians(framing.yaw + 50), pitch = glm::radians(15.0f), fieldOfView = glm::radians(20.0f);
+    const glm::vec3 towards(std::cos(pitch) * std::sin(turn), std::sin(pitch), std::cos(pitch) * std::cos(turn));
+    const glm::vec3 right(std::cos(turn), 0, -std::sin(turn)), up = glm::cross(towards, right);
+    const glm::vec3 half = glm::vec3(grid.columns * grid.cellWidth, grid.rows * grid.cellHeight, grid.depth) * 0.5f;
+    const float tangent = std::tan(fieldOfView * 0.5f);
+    float distance = 0;
+    for (int i = 0; i < 8; ++i) {
+        const glm::vec3 corner = half * glm::vec3(i & 1 ? 1 : -1, i & 2 ? 1 : -1, i & 4 ? 1 : -1);
+        const float across = std::abs(glm::dot(corner, right)) / aspectOf(framing);
+        const float reach = std::max(across, std::abs(glm::dot(corner, up)));
+        distance = std::max(distance, glm::dot(corner, towards) + reach / tangent);
+    }
+    return {grid.target + distance * towards, grid.target, fieldOfView, distance * 0.02f, distance + glm::length(half)};
+}
+
 glm::mat4 viewProjection(const Framing& framing, const Look& look) {
-    const float aspect = static_cast<float>(framing.width) / static_cast<float>(framing.height);
+    const float aspect = aspectOf(framing);
     glm::mat4 matrix = glm::perspectiveRH_ZO(look.fieldOfView, aspect, look.nearest, look.farthest) *
                        glm::lookAtRH(look.eye, look.target, glm::vec3(0, 1, 0));
     for (int column = 0; column < 4; ++column) matrix[column].y = -matrix[column].y;  // y points down
@@ -101,12 +122,12 @@ Look lookOf(const Framing& framing) { return lookOf(framing, layOut(framing), 0)
 
 FrameConstants frameConstants(const Framing& framing, uint32_t frame, const CameraMove& move) {
     const Grid grid = layOut(framing);
-    const auto matrix = [&](uint32_t view) {
-        return viewProjection(framing, movedLook(lookOf(framing, grid, view), move));
-    };
+    const auto matrix = [&](const Look& look) { return viewProjection(framing, movedLook(look, move)); };
     FrameConstants constants;
-    constants.viewProjection = matrix(0);
-    for (uint32_t view = 1; view < MOST_VIEWS; ++view) constants.otherViews[view - 1] = matrix(view);
+    constants.viewProjection = matrix(lookOf(framing, grid, 0));
+    for (uint32_t view = 1; view < MOST_VIEWS; ++view)
+        constants.otherViews[view - 1] = matrix(lookOf(framing, grid, view));
+    constants.overview = matrix(fromAside(framing, grid));
     const bool together = framing.camera == Camera::close;
     constants.grid = {static_cast<float>(grid.columns), together ? 0 : grid.cellWidth, together ? 0 : grid.cellHeight,
                       static_cast<float>(frame)};

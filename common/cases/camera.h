@@ -56,7 +56,7 @@ CameraMove gone(CameraMove move, const Look& usual, const glm::vec3& by);
 
 // Copies fill a grid of about the image's shape; row 0 of the image is its top. The camera `crowd` has it centred and
 // just inside the view. The other views look at the same grid from other sides, those of `crowd` and `close` with every
-// copy inside. `frame` is the number that FrameConstants carries.
+// copy inside. The overview has every copy of every camera inside. `frame` is the number that FrameConstants carries.
 FrameConstants frameConstants(const Framing& framing, uint32_t frame, const CameraMove& move = {});
 
 }  // namespace skinbench

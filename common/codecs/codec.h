@@ -42,6 +42,10 @@ struct EncodedMesh {
     std::vector<uint32_t> sources;      // per vertex: vertex of the mesh that it came from; empty: itself
     std::function<Mesh()> decode;       // null: the mesh's own attributes, bit for bit; use decodeOnCpu
     std::optional<CodecBounds> bounds;  // empty where decode is null, or nothing is promised
+
+    // How a vertex' joints and weights are stored, as it is read for a meshlet of `meshlets`: "permutation code 7 in 32
+    // bits, tuple 3". Null: they lie in fields of their own.
+    std::function<std::string(uint32_t vertex, size_t meshlet)> blendText;
 };
 
 // What an encoder is given. `slimRecords` and `fat` are for codecs that some row's `slim` names.

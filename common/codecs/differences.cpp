@@ -353,4 +353,24 @@ Result<DecodedVertex> decodeDifference(const DifferenceMesh& encoded, const Mesh
     return vertex;
 }
 
+std::string differenceText(const DifferenceMesh& encoded, size_t meshlet, uint32_t vertex) {
+    const DifferenceTraits& traits = differenceTraits(encoded.codec);
+    const auto& extra = encoded.meshletExtra[meshlet];
+    const uint32_t width = encoded.differenceBytes[meshlet], offset = byteOffset(encoded, vertex, width);
+    const bool whole = encoded.codec == DifferenceCodec::pdc32;
+    if (whole && width == 0) return std::format("one blend for the whole meshlet, tuple {}", extra[0] & 0xFFFF);
+    const auto stored =
+        static_cast<uint32_t>(readBytes(std::span(encoded.vertices).subspan(offset + kBaseVertexBytes, width)));
+    const uint32_t base = whole ? 0 : extra[0];
+    const Result<PermutationBlend> blend = decodePermutation(traits.code, base + stored);
+    SKINBENCH_ASSERT(blend.has_value());
+    std::string text = whole        ? std::format("permutation code {} in {} bits", stored, width * 8)
+                       : width == 0 ? std::format("permutation code {} of the meshlet", base)
+                                    : std::format("permutation code {}, the meshlet's {} and {} in {} bits",
+                                                  base + stored, base, stored, width * 8);
+    text += std::format(", tuple {}", blend->tuple % traits.maxTuples);
+    if (traits.merged) text += std::format(", permutation {}", blend->tuple / traits.maxTuples);
+    return text;
+}
+
 }  // namespace skinbench

@@ -14,6 +14,7 @@
 
 #include <array>
 #include <cstdint>
+#include <string>
 #include <vector>
 
 #include "common/codecs/packed.h"
@@ -68,5 +69,8 @@ Result<DifferenceMesh> encodeDifferences(const Mesh& mesh, const MeshletMesh& me
 // the buffers hold; fails on what no encoder writes.
 Result<DecodedVertex> decodeDifference(const DifferenceMesh& encoded, const MeshletMesh& meshlets, uint32_t meshlet,
                                        uint32_t local);
+
+// How the joints and weights of a stored vertex are kept in that meshlet, one of those that refer to it.
+std::string differenceText(const DifferenceMesh& encoded, size_t meshlet, uint32_t vertex);
 
 }  // namespace skinbench

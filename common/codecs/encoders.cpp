@@ -12,6 +12,7 @@
 #include "common/codecs/codec.h"
 #include "common/codecs/differences.h"
 #include "common/codecs/packed.h"
+#include "common/core/bytes.h"
 #include "common/core/parallel.h"
 
 namespace skinbench {
@@ -106,8 +107,27 @@ Mesh readVertices(uint32_t count, const Read& read) {
     return mesh;
 }
 
+// What lies behind a vertex' base.
+uint64_t blendCode(const PackedVertices& packed, uint32_t vertex) {
+    const auto bytes = std::span(packed.vertices).subspan(size_t{vertex} * packed.stride, packed.stride);
+    return readBytes(bytes.subspan(kBaseVertexBytes));
+}
+
+std::string simplexText(const SimplexCode& code, uint64_t stored) {
+    const int tupleBits = 32 - code.bits;
+    return std::format("grid point {} in {} bits, tuple {} in {}", stored >> tupleBits, code.bits,
+                       stored & ((1u << tupleBits) - 1), tupleBits);
+}
+
+std::string permutationText(const PermutationCode& code, uint64_t stored) {
+    const Result<PermutationBlend> blend = decodePermutation(code, stored);
+    SKINBENCH_ASSERT(blend.has_value());
+    return std::format("permutation code {} in {} bits, tuple {}", stored, code.bits, blend->tuple);
+}
+
 template <class Read>
-Result<EncodedMesh> encodePacked(Result<PackedVertices> packed, const Defines& more, double weights, const Read& read) {
+Result<EncodedMesh> encodePacked(Result<PackedVertices> packed, const Defines& more, double weights, const Read& read,
+                                 const std::function<std::string(uint64_t)>& codeText = nullptr) {
     SKINBENCH_TRY(packed);
     if (packed->vertices.size() > std::numeric_limits<uint32_t>::max())
         return inputError("packed vertices: one copy exceeds 4 GiB; use fewer vertices");
@@ -120,9 +140,12 @@ Result<EncodedMesh> encodePacked(Result<PackedVertices> packed, const Defines& m
     encoded.defines.emplace_back("TUPLE_COUNT", std::to_string(tupleCount(packed->tuples, packed->influences)));
     addDefines(encoded.defines, more);
     encoded.bounds = {positionBound(packed->grids.position), weights};
-    encoded.decode = [kept = std::make_shared<const PackedVertices>(std::move(*packed)), read] {
+    const auto kept = std::make_shared<const PackedVertices>(std::move(*packed));
+    encoded.decode = [kept, read] {
         return readVertices(kept->vertexCount, [&](uint32_t v) { return read(*kept, v); });
     };
+    if (codeText)
+        encoded.blendText = [kept, codeText](uint32_t vertex, size_t) { return codeText(blendCode(*kept, vertex)); };
     return encoded;
 }
 
@@ -177,12 +200,15 @@ Result<EncodedMesh> encodeSimplexBits(const char* name, const Mesh& mesh, int in
     SKINBENCH_TRY(code);
     return encodePacked(
         packSimplex(mesh, *code), {{"OSS_BITS", std::to_string(bits)}, {"OSS_POINTS", std::to_string(code->n)}},
-        weightsBound(*code), [code = *code](const PackedVertices& p, uint32_t v) { return readSimplex(p, code, v); });
+        weightsBound(*code), [code = *code](const PackedVertices& p, uint32_t v) { return readSimplex(p, code, v); },
+        [code = *code](uint64_t stored) { return simplexText(code, stored); });
 }
 
 Result<EncodedMesh> encodePermutationCode(const Mesh& mesh, const PermutationCode& code) {
-    return encodePacked(packPermutation(mesh, code), permutationDefines(code), weightsBound(code),
-                        [code](const PackedVertices& p, uint32_t v) { return readPermutation(p, code, v); });
+    return encodePacked(
+        packPermutation(mesh, code), permutationDefines(code), weightsBound(code),
+        [code](const PackedVertices& p, uint32_t v) { return readPermutation(p, code, v); },
+        [code](uint64_t stored) { return permutationText(code, stored); });
 }
 
 // A meshlet and a local number that refer to each stored vertex.
@@ -232,8 +258,9 @@ Result<EncodedMesh> encodeDifferenceCodec(const char* name, const EncodeInput& i
     encoded.bounds = {positionBound(stored->grids.position), weightsBound(differenceTraits(codec), codec),
                       codec == DifferenceCodec::pdc32};
     // The copy of the meshlets holds vertex numbers, which reading back does not look at.
-    encoded.decode = [kept = std::make_shared<const DifferenceMesh>(std::move(*stored)),
-                      cut = std::make_shared<const MeshletMesh>(*encoded.meshlets)] {
+    const auto kept = std::make_shared<const DifferenceMesh>(std::move(*stored));
+    encoded.blendText = [kept](uint32_t vertex, size_t meshlet) { return differenceText(*kept, meshlet, vertex); };
+    encoded.decode = [kept, cut = std::make_shared<const MeshletMesh>(*encoded.meshlets)] {
         const auto references = referencesOf(*cut, *kept);
         return readVertices(kept->vertexCount, [&](uint32_t v) {
             return decodeDifference(*kept, *cut, references[v][0], references[v][1]);

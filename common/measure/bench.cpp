@@ -82,16 +82,6 @@ Result<std::vector<SkinnedVertex>> capturedVertices(const Prepared& ready) {
     return captured;
 }
 
-// The words of SLOT_VERDICT of a case that culls, else none.
-Result<std::vector<uint32_t>> readVerdicts(const Case& c, const Prepared& ready) {
-    if (c.clusterCull == ClusterCull::off && !c.variant->listsTriangles) return std::vector<uint32_t>();
-    auto bytes = ready.backend->readStream(*ready.plan, SLOT_VERDICT);
-    SKINBENCH_TRY(bytes);
-    std::vector<uint32_t> verdicts(bytes->size() / sizeof(uint32_t));
-    std::memcpy(verdicts.data(), bytes->data(), verdicts.size() * sizeof(uint32_t));
-    return verdicts;
-}
-
 Result<void> compareWithFirstImage(Runner& runner, CaseResult& result, Prepared& ready) {
     auto image = ready.backend->readImage(*ready.plan);
     SKINBENCH_TRY(image);
@@ -309,7 +299,7 @@ Result<Picture> renderPicture(Workload& workload, const Case& c, Backend& backen
     Result<Image> image = backend.readImage(*ready->plan);
     releaseCase(*ready);
     if (!image) return std::unexpected(verified ? image.error() : verified.error());
-    return Picture{std::move(*image), verified ? "" : verified.error().text, result.accuracy};
+    return Picture{std::move(*image), verified ? "" : verified.error().text, result.accuracy, result.culling};
 }
 
 Result<Image> renderImage(Workload& workload, const Case& c, Backend& backend) {

@@ -2,7 +2,9 @@
 
 #include <algorithm>
 #include <array>
+#include <bit>
 #include <cmath>
+#include <format>
 
 #include "common/core/parallel.h"
 #include "common/measure/verify.h"
@@ -85,6 +87,9 @@ bool coversSample(const Corners& p, uint32_t width, uint32_t height) {
     return false;
 }
 
+// Whether SLOT_VERDICT says how many triangles the case leaves out.
+bool countsTriangles(const Case& c) { return c.variant->listsTriangles || storedTriangles(c) > 0; }
+
 // One copy: where its vertices are, and the triangles of its meshlets or, without meshlets, all of them as one.
 struct Tester {
     const Case& c;
@@ -93,20 +98,19 @@ struct Tester {
     const std::vector<uint32_t>& indices;
 
     void addTriangle(Culling& culling, const Corners& corners, bool beyond, bool away) const {
-        const bool frustum = c.triangleTests & TEST_FRUSTUM, back = c.triangleTests & TEST_BACK;
-        ++culling.triangles;
+        const uint32_t own = triangleTestsOf(c);
+        const bool frustum = own & TEST_FRUSTUM, back = own & TEST_BACK;
         if (frustum && beyond) ++culling.triangleFrustum.possible;
         if (frustum && beyond) return;
         if (back && away) ++culling.triangleBack.possible;
         if (back && away) return;
-        if ((c.triangleTests & TEST_SMALL) && !coversSample(corners, input.width, input.height))
-            ++culling.triangleSmall.possible;
+        if ((own & TEST_SMALL) && !coversSample(corners, input.width, input.height)) ++culling.triangleSmall.possible;
     }
 
     Culling operator()(std::span<const Place> places, std::span<const uint32_t> planes,
                        std::span<const uint32_t> verdicts) const {
         Culling culling;
-        const bool tests = c.clusterCull != ClusterCull::off;
+        const bool tests = c.clusterCull != ClusterCull::off, each = countsTriangles(c);
         for (size_t m = 0; m < meshlets.size(); ++m) {
             const uint32_t verdict = tests ? verdicts[m] : VERDICT_DRAWN;
             bool allBeyond = true, allAway = true, anySeen = false;
@@ -119,12 +123,9 @@ struct Tester {
                 allBeyond = allBeyond && beyond;
                 allAway = allAway && away;
                 anySeen = anySeen || (!beyond && !away);
-                if (c.variant->listsTriangles && verdict == VERDICT_DRAWN) addTriangle(culling, corners, beyond, away);
+                if (each && verdict == VERDICT_DRAWN) addTriangle(culling, corners, beyond, away);
             }
             if (!tests) continue;
-            ++culling.meshlets;
-            culling.frustum.count += verdict == VERDICT_BEYOND;
-            culling.cone.count += verdict == VERDICT_AWAY;
             const bool frustum = c.clusterTests & CLUSTER_TEST_FRUSTUM;
             if (frustum && allBeyond)
                 ++culling.frustum.possible;
@@ -136,15 +137,12 @@ struct Tester {
     }
 };
 
-void add(LeftOut& sum, const LeftOut& more) { sum.count += more.count, sum.possible += more.possible; }
-
+// Of the oracle.
 void add(Culling& sum, const Culling& more) {
-    sum.meshlets += more.meshlets;
-    sum.triangles += more.triangles;
     sum.wrong += more.wrong;
     for (LeftOut Culling::*test : {&Culling::frustum, &Culling::cone, &Culling::triangleFrustum, &Culling::triangleBack,
                                    &Culling::triangleSmall})
-        add(sum.*test, more.*test);
+        (sum.*test).possible += (more.*test).possible;
 }
 
 }  // namespace
@@ -174,19 +172,83 @@ Culling cullingOf(const Case& c, const PlanInput& input, const FrameData& frame,
                 tester(places, planes, tests ? verdicts.subspan(copy * meshlets.size(), meshlets.size()) : verdicts));
         }
     });
-    Culling culling;
+    Culling culling = countVerdicts(c, input, verdicts);
     for (const Culling& sum : sums) add(culling, sum);
-    if (!c.variant->listsTriangles) return culling;
-    const auto counted = verdicts.last(COUNTED_WORDS);
-    culling.triangleFrustum.count = counted[COUNTED_BEYOND];
-    culling.triangleBack.count = counted[COUNTED_AWAY];
-    culling.triangleSmall.count = counted[COUNTED_SMALL];
     return culling;
+}
+
+Culling countVerdicts(const Case& c, const PlanInput& input, std::span<const uint32_t> verdicts) {
+    Culling counts;
+    const bool tests = c.clusterCull != ClusterCull::off, each = countsTriangles(c);
+    const size_t meshlets = input.meshlets ? input.meshlets->meshlets.size() : 0;
+    const std::span<const uint32_t> counted = verdicts.subspan(tests ? meshlets * input.copies : 0);
+    const size_t words = storedTriangles(c) / 4;
+    for (size_t i = 0; i < meshlets * input.copies; ++i) {
+        const uint32_t verdict = tests ? verdicts[i] : VERDICT_DRAWN;
+        counts.meshlets += tests;
+        counts.frustum.count += verdict == VERDICT_BEYOND;
+        counts.cone.count += verdict == VERDICT_AWAY;
+        if (verdict != VERDICT_DRAWN || !each) continue;
+        const uint32_t triangles = input.meshlets->meshlets[i % meshlets].triangleCount;
+        counts.triangles += triangles;
+        if (words == 0) continue;
+        counts.triangleBack.count += triangles;
+        for (uint32_t drawn : counted.subspan(COUNTED_WORDS + i * words, (triangles + 3) / 4))
+            counts.triangleBack.count -= static_cast<uint64_t>(std::popcount(drawn));
+    }
+    if (!c.variant->listsTriangles) return counts;
+    if (meshlets == 0) counts.triangles = uint64_t{input.copies} * (input.scene->mesh.indices.size() / 3);
+    counts.triangleFrustum.count = counted[0];
+    counts.triangleBack.count = counted[VERDICT_TRIANGLE_AWAY - VERDICT_TRIANGLE_BEYOND];
+    counts.triangleSmall.count = counted[VERDICT_TRIANGLE_SMALL - VERDICT_TRIANGLE_BEYOND];
+    return counts;
+}
+
+static std::string shareText(uint64_t part, uint64_t whole, const char* things) {
+    const double share = whole ? static_cast<double>(part) / static_cast<double>(whole) : 0;
+    return std::format("{} of {} {} ({:.1f} %)", part, whole, things, share * 100);
+}
+
+std::vector<LegendRow> legendOf(const Case& c, const Culling& culling) {
+    struct Kind {
+        glm::vec3 color;
+        const char *name, *what;
+        LeftOut Culling::*test;
+    };
+    static const Kind kinds[VERDICT_COUNT] = {
+        {{COLOR_DRAWN}, "green", "drawn", nullptr},
+        {{COLOR_BEYOND}, "dark blue", "outside of the view", &Culling::frustum},
+        {{COLOR_AWAY}, "orange", "by their cones", &Culling::cone},
+        {{COLOR_TRIANGLE_BEYOND}, "light blue", "outside of the view", &Culling::triangleFrustum},
+        {{COLOR_TRIANGLE_AWAY}, "yellow", "back faces", &Culling::triangleBack},
+        {{COLOR_TRIANGLE_SMALL}, "pink", "too small", &Culling::triangleSmall},
+    };
+    const bool each = countsTriangles(c), tests = culling.meshlets > 0;
+    std::vector<LegendRow> rows;
+    for (uint32_t verdict : verdictsOf(c)) {
+        const Kind& kind = kinds[verdict];
+        const bool ofMeshlets = verdict <= VERDICT_AWAY;
+        uint64_t part = kind.test ? (culling.*kind.test).count : 0;
+        std::string text = std::string(kind.what) + ": ";
+        const uint64_t drawnMeshlets = culling.meshlets - culling.frustum.count - culling.cone.count;
+        if (verdict == VERDICT_DRAWN && each) {
+            part = culling.triangles - culling.triangleFrustum.count - culling.triangleBack.count -
+                   culling.triangleSmall.count;
+            text += shareText(part, culling.triangles, "triangles");
+            if (tests) text += ", of " + shareText(drawnMeshlets, culling.meshlets, "meshlets");
+        } else {
+            if (verdict == VERDICT_DRAWN) part = drawnMeshlets;
+            text += ofMeshlets ? shareText(part, culling.meshlets, "meshlets")
+                               : shareText(part, culling.triangles, "triangles");
+        }
+        rows.push_back({kind.color, kind.name, std::move(text)});
+    }
+    return rows;
 }
 
 std::vector<char> verticesLeftOut(const Case& c, const PlanInput& input, std::span<const uint32_t> verdicts) {
     // A pass of compute-cull skins all vertices.
-    if (c.clusterCull == ClusterCull::off || c.variant->listsTriangles) return {};
+    if (c.clusterCull == ClusterCull::off || c.variant->listsTriangles || c.view == View::culled) return {};
     const size_t vertices = input.encoded->vertexCount, meshlets = input.meshlets->meshlets.size();
     std::vector<char> left(2 * vertices, 1);
     for (size_t half = 0; half < 2; ++half)

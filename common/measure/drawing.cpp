@@ -2,10 +2,12 @@
 
 #include <algorithm>
 #include <chrono>
+#include <cstring>
 #include <format>
 
 #include "common/core/host_memory.h"
 #include "common/core/parallel.h"
+#include "common/plans/plan_parts.h"
 
 namespace skinbench {
 namespace {
@@ -97,6 +99,15 @@ Result<std::vector<FrameData>> framesOfPose(Workload& workload, const Case& c) {
     return frames;
 }
 
+Result<std::vector<uint32_t>> readVerdicts(const Case& c, const Prepared& ready) {
+    if (!storesVerdicts(c, ready.input)) return std::vector<uint32_t>();
+    auto bytes = ready.backend->readStream(*ready.plan, SLOT_VERDICT);
+    SKINBENCH_TRY(bytes);
+    std::vector<uint32_t> verdicts(bytes->size() / sizeof(uint32_t));
+    std::memcpy(verdicts.data(), bytes->data(), verdicts.size() * sizeof(uint32_t));
+    return verdicts;
+}
+
 std::vector<std::pair<std::string, double>> passTimes(const Prepared& ready, const DrawnFrame& frame) {
     std::vector<std::pair<std::string, double>> times;
     if (ready.host) times.emplace_back("skin", frame.skin);
@@ -112,6 +123,23 @@ std::vector<std::pair<std::string, double>> passTimes(const Prepared& ready, con
 }
 
 RunMode modeOf(const Case& c) { return c.queues == Queues::async ? RunMode::batch : RunMode::timed; }
+
+Result<std::vector<uint32_t>> verdictsOfPose(Workload& workload, const Case& c, Backend& backend) {
+    if (verdictsOf(c).size() < 2) return std::vector<uint32_t>();
+    auto planned = planCase(workload, c, &backend, true);
+    SKINBENCH_TRY(planned);
+    auto ready = prepareCase(std::move(*planned));
+    SKINBENCH_TRY(ready);
+    const auto read = [&]() -> Result<std::vector<uint32_t>> {
+        auto frames = framesOfPose(workload, c);
+        SKINBENCH_TRY(frames);
+        SKINBENCH_TRY(drawFrames(*ready, *frames));
+        return readVerdicts(c, *ready);
+    };
+    auto verdicts = attempt(read);
+    releaseCase(*ready);
+    return verdicts;
+}
 
 Result<std::vector<DrawnFrame>> drawFrames(Prepared& ready, std::span<const FrameData> frames, RunMode mode) {
     // Host skinning happens right before its frame, so such frames are drawn one by one.

@@ -65,6 +65,9 @@ Result<std::vector<FrameData>> frameRange(Workload& workload, const Case& c, uin
 // comes four times before, so that what is drawn too early shows another pose.
 Result<std::vector<FrameData>> framesOfPose(Workload& workload, const Case& c);
 
+// The words of SLOT_VERDICT of a plan that has them, else none.
+Result<std::vector<uint32_t>> readVerdicts(const Case& c, const Prepared& ready);
+
 struct DrawnFrame {
     Timing timing;
     double skin = 0;  // milliseconds of the host
@@ -76,6 +79,9 @@ inline constexpr uint32_t kBatch = 16;
 // In RunMode::batch all of them are together, whatever kBatch.
 Result<std::vector<DrawnFrame>> drawFrames(Prepared& ready, std::span<const FrameData> frames,
                                            RunMode mode = RunMode::timed);
+
+// The verdicts of a verifying plan of the case, in its first pose; none where it culls nothing.
+Result<std::vector<uint32_t>> verdictsOfPose(Workload& workload, const Case& c, Backend& backend);
 
 // The mode that shows what the case is about: RunMode::batch with a second queue, else RunMode::timed.
 RunMode modeOf(const Case& c);

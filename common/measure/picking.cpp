@@ -40,9 +40,9 @@ void hitTriangle(const std::array<glm::dvec4, 3>& corners, const glm::dvec2& at,
     hit = {depth, copy, triangle, corner};
 }
 
-std::optional<Hit> findHit(const PlanInput& input, const std::vector<uint32_t>& triangles,
-                           const std::vector<uint32_t>& sources, const FrameData& frame, const glm::dvec2& at,
-                           bool posed) {
+std::optional<Hit> findHit(const PlanInput& input, const FrameConstants& constants,
+                           const std::vector<uint32_t>& triangles, const std::vector<uint32_t>& sources,
+                           const FrameData& frame, const glm::dvec2& at, bool posed) {
     const Mesh& mesh = input.scene->mesh;
     Hit hit;
     std::map<uint32_t, SkinnedReference> phases;
@@ -56,7 +56,7 @@ std::optional<Hit> findHit(const PlanInput& input, const std::vector<uint32_t>& 
             else
                 skinned.positions.assign(mesh.positions.begin(), mesh.positions.end());
         }
-        for (size_t v = 0; v < screen.size(); ++v) screen[v] = onScreen(frame.constants, copy, skinned.positions[v]);
+        for (size_t v = 0; v < screen.size(); ++v) screen[v] = onScreen(constants, copy, skinned.positions[v]);
         for (size_t i = 0; i + 2 < triangles.size(); i += 3) {
             const std::array corners{screen[sources[triangles[i]]], screen[sources[triangles[i + 1]]],
                                      screen[sources[triangles[i + 2]]]};
@@ -74,11 +74,21 @@ std::string influencesText(const Influences& influences) {
     return text;
 }
 
-std::string meshletText(const PlanInput& input, const std::vector<uint32_t>& sources, size_t triangle) {
-    const MeshletMesh& mesh = *input.meshlets;
+size_t meshletOf(const MeshletMesh& mesh, size_t triangle) {
     const auto after =
         std::ranges::upper_bound(mesh.meshlets, static_cast<uint32_t>(triangle), {}, &Meshlet::firstTriangle);
-    const auto number = static_cast<size_t>(after - mesh.meshlets.begin()) - 1;
+    return static_cast<size_t>(after - mesh.meshlets.begin()) - 1;
+}
+
+// What the test of a meshlet said.
+std::string verdictText(uint32_t verdict) {
+    return verdict == VERDICT_DRAWN    ? "drawn: no test of its bounds leaves it out"
+           : verdict == VERDICT_BEYOND ? "left out: its bounds are outside of the view"
+                                       : "left out: the cone of its normals faces away";
+}
+
+std::string meshletText(const PlanInput& input, const std::vector<uint32_t>& sources, size_t number) {
+    const MeshletMesh& mesh = *input.meshlets;
     const Meshlet& meshlet = mesh.meshlets[number];
     std::set<uint32_t> joints;
     std::set<std::vector<uint32_t>> tuples;
@@ -95,29 +105,38 @@ std::string meshletText(const PlanInput& input, const std::vector<uint32_t>& sou
                     meshlet.vertexCount, meshlet.triangleCount, joints.size(), tuples.size());
     if (number < input.encoded->blendBytes.size())
         text += std::format(", {} bits of blend data a vertex", input.encoded->blendBytes[number] * 8);
+    if (input.records && input.records->commonRecords > 0)
+        text += number < input.records->commonMeshlets ? ", one joint list for all" : ", joint ids in every vertex";
     return text;
 }
 
 }  // namespace
 
-std::vector<std::string> pickLines(const Case& c, const PlanInput& input, const FrameData& frame, glm::vec2 at) {
+std::vector<std::string> pickLines(const Case& c, const PlanInput& input, const FrameData& frame, glm::vec2 at,
+                                   std::span<const uint32_t> verdicts) {
     const std::vector<uint32_t> sources = sourcesOf(input);
     const Mesh& drawn = input.records ? input.records->mesh : input.scene->mesh;
     const std::vector<uint32_t> triangles = input.meshlets ? triangleList(*input.meshlets) : drawn.indices;
-    const auto hit = findHit(input, triangles, sources, frame, at, posesVertices(c));
+    FrameConstants constants = frame.constants;
+    if (c.view == View::culled) constants.viewProjection = constants.overview;
+    const auto hit = findHit(input, constants, triangles, sources, frame, at, posesVertices(c));
     if (!hit) return {};
     const uint32_t vertex = triangles[hit->triangle * 3 + hit->corner], source = sources[vertex];
     const Mesh& mesh = input.scene->mesh;
     const Mesh decoded = decodedMesh(input);
     const glm::vec3 p = mesh.positions[source], q = decoded.positions[vertex];
     std::vector<std::string> lines{std::format("copy {}, triangle {}", hit->copy, hit->triangle)};
-    if (input.meshlets) lines.push_back(meshletText(input, sources, hit->triangle));
+    const size_t meshlet = input.meshlets ? meshletOf(*input.meshlets, hit->triangle) : 0;
+    if (input.meshlets) lines.push_back(meshletText(input, sources, meshlet));
+    if (c.clusterCull != ClusterCull::off && !verdicts.empty())
+        lines.push_back("  " + verdictText(verdicts[hit->copy * input.meshlets->meshlets.size() + meshlet]));
     lines.push_back(std::format("codec {}: {} bytes of vertices in all", c.codec->name,
                                 input.encoded->vertices ? input.encoded->vertices->size() : 0));
     lines.push_back(std::format("vertex {} at ({:.5g}, {:.5g}, {:.5g})", vertex, p.x, p.y, p.z));
     lines.push_back(
         std::format("  decoded ({:.5g}, {:.5g}, {:.5g}), off by {:.2g}", q.x, q.y, q.z, glm::distance(p, q)));
     lines.push_back("  joint x weight " + influencesText(mesh.influences[source]));
+    if (input.encoded->blendText) lines.push_back("  stored as " + input.encoded->blendText(vertex, meshlet));
     lines.push_back("  decoded " + influencesText(decoded.influences[vertex]));
     return lines;
 }

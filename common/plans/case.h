@@ -38,7 +38,8 @@ enum class View {
     velocity = VIEW_VELOCITY,
     resolution = VIEW_RESOLUTION,
     normals = VIEW_NORMALS,
-    joints = VIEW_JOINTS
+    joints = VIEW_JOINTS,
+    culled = VIEW_CULLED
 };
 
 // Back-face culling in the mesh stage; shaders_glsl/cull.glsl says how each works.
@@ -186,6 +187,12 @@ bool onMeshRoute(const Case& c);
 
 // Whether the case draws the posed character, not the bind pose.
 bool posesVertices(const Case& c);
+
+// The tests (TEST_) that the case makes of each triangle, in a pass or in the mesh stage.
+uint32_t triangleTestsOf(const Case& c);
+
+// The verdicts (VERDICT_) that its tests give; VERDICT_DRAWN alone: it culls nothing.
+std::vector<uint32_t> verdictsOf(const Case& c);
 
 // Whether the case's vertices share joint lists (`mesh-ci`), and whether its records leave joint ids to the meshlets.
 bool sharesJointLists(const Case& c);

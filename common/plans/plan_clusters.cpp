@@ -30,16 +30,26 @@ Result<void> addCopyPass(FramePlan& plan, const char* label, const char* file, c
     return {};
 }
 
-// Room for the verdicts of a verifying plan.
 void addVerdicts(FramePlan& plan, const Case& c, const PlanInput& input, Defines& defines) {
-    const bool tests = c.clusterCull != ClusterCull::off;
-    const uint64_t verdicts = tests ? uint64_t{input.meshlets->meshlets.size()} * input.copies : 0;
-    setDefine(defines, "FIRST_COUNTED", std::to_string(verdicts));
-    if (input.capture && (tests || c.variant->listsTriangles))
-        plan.streams.push_back({.slot = SLOT_VERDICT, .gpuBytes = (verdicts + COUNTED_WORDS) * sizeof(uint32_t)});
+    const uint64_t meshlets = input.meshlets ? uint64_t{input.meshlets->meshlets.size()} * input.copies : 0;
+    const uint64_t counted = c.clusterCull != ClusterCull::off ? meshlets : 0, fours = counted + COUNTED_WORDS;
+    setDefine(defines, "FIRST_COUNTED", std::to_string(counted));
+    setDefine(defines, "FIRST_FOURS", std::to_string(fours));
+    if (!storesVerdicts(c, input)) return;
+    const uint64_t words = fours + meshlets * storedTriangles(c) / 4;
+    plan.streams.push_back({.slot = SLOT_VERDICT, .gpuBytes = words * sizeof(uint32_t)});
 }
 
 }  // namespace
+
+bool storesVerdicts(const Case& c, const PlanInput& input) {
+    const bool culled = c.view == View::culled, tests = c.clusterCull != ClusterCull::off;
+    return (input.capture || culled) && (tests || c.variant->listsTriangles || storedTriangles(c) > 0);
+}
+
+uint32_t storedTriangles(const Case& c) {
+    return c.view == View::culled && c.cull != Cull::off ? declaredTriangles(c) : 0;
+}
 
 void addClusters(FramePlan& plan, const Case& c, const PlanInput& input, const DeviceCaps& caps, Defines& defines) {
     addVerdicts(plan, c, input, defines);
@@ -54,10 +64,10 @@ void addClusters(FramePlan& plan, const Case& c, const PlanInput& input, const D
         plan.streams.push_back(
             {.slot = SLOT_CLUSTER_LIST, .gpuBytes = input.meshlets->meshlets.size() * sizeof(uint32_t) * input.copies});
     if (c.clusterCull == ClusterCull::list && !c.variant->listsTriangles)
-        plan.streams.push_back(
-            {.slot = SLOT_COMMAND,
-             .use = useStorage | useIndirect,
-             .bytes = toBytes(std::vector<DrawCommand>(input.copies * c.views, groupCommand(0, c.route->dialect)))});
+        plan.streams.push_back({.slot = SLOT_COMMAND,
+                                .use = useStorage | useIndirect,
+                                .bytes = toBytes(std::vector<DrawCommand>(input.copies * numbersShown(c),
+                                                                          groupCommand(0, c.route->dialect)))});
     const bool ballots = c.clusterCull == ClusterCull::task && caps.meshSubgroups && caps.subgroupSize == TASK_GROUP;
     const std::pair<const char*, std::string> more[] = {
         {"MESHLET_COUNT", std::to_string(input.meshlets->meshlets.size())},

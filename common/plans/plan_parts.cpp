@@ -99,6 +99,15 @@ FramePlan startPlan(const Case& c, const PlanInput& input) {
 
 std::vector<Shown> shownBy(const Case& c, bool firstAlone) {
     std::vector<Shown> all;
+    if (c.view == View::culled) {
+        for (uint32_t verdict : verdictsOf(c)) {
+            if (!all.empty() && all.back().firstView + all.back().views == verdict)
+                ++all.back().views;
+            else
+                all.push_back({true, verdict, 1});
+        }
+        return all;
+    }
     const uint32_t alone = firstAlone && c.views > 1 ? 1 : 0;
     if (alone) all.push_back({false, 1, alone});
     if (c.views > 1 + alone) all.push_back({false, 1 + alone, c.views - 1 - alone});
@@ -106,6 +115,8 @@ std::vector<Shown> shownBy(const Case& c, bool firstAlone) {
     all.push_back({.image = true});
     return all;
 }
+
+uint32_t numbersShown(const Case& c) { return c.view == View::culled ? VERDICT_COUNT : c.views; }
 
 static const char* labelOf(const Shown& shown) {
     return shown.image ? "draw" : shown.firstView == 0 ? "depth" : "views";
@@ -116,7 +127,7 @@ Pass startPass(const Case& c, PassKind kind, const Shown& shown) {
     pass.label = labelOf(shown);
     pass.kind = kind;
     pass.raster = c.raster;
-    pass.cullBackFaces = !c.keepBackFaces;
+    pass.cullBackFaces = !c.keepBackFaces && c.view != View::culled;
     pass.writeColor = shown.image;
     if (shown.image && c.scenario == Scenario::prepass) {
         pass.depth = DepthTest::equalKeep;
@@ -126,7 +137,7 @@ Pass startPass(const Case& c, PassKind kind, const Shown& shown) {
 }
 
 void setView(Defines& defines, const Shown& shown) {
-    setDefine(defines, "OTHER_VIEW", shown.firstView > 0 ? "1" : "0");
+    setDefine(defines, "OTHER_VIEW", !shown.image && shown.firstView > 0 ? "1" : "0");
     if (!shown.image) setDefine(defines, "CAPTURE", "0");
 }
 
@@ -147,7 +158,7 @@ uint32_t commandsOfView(const FramePlan& plan, const Case& c) {
         std::ranges::find_if(plan.streams, [](const Stream& stream) { return (stream.use & useIndirect) != 0; });
     return commands == plan.streams.end()
                ? 0
-               : static_cast<uint32_t>(streamBytes(*commands) / sizeof(DrawCommand)) / c.views;
+               : static_cast<uint32_t>(streamBytes(*commands) / sizeof(DrawCommand)) / numbersShown(c);
 }
 
 void addPasses(FramePlan& plan, const Case& c, Program program, const Pass& pass, const Shown& shown) {
@@ -155,6 +166,7 @@ void addPasses(FramePlan& plan, const Case& c, Program program, const Pass& pass
     for (uint32_t view = shown.firstView; view < shown.firstView + shown.views; ++view) {
         Pass& own = plan.passes.emplace_back(pass);
         own.program = static_cast<uint32_t>(plan.programs.size() - 1);
+        if (c.view == View::culled && view != VERDICT_DRAWN) own.clear = false;
         for (Draw& draw : own.draws) {
             draw.constants[3] = view;
             if (draw.command) *draw.command += view * commandsOfView(plan, c);
@@ -162,10 +174,10 @@ void addPasses(FramePlan& plan, const Case& c, Program program, const Pass& pass
     }
 }
 
-void orderByView(FramePlan& plan, size_t firstPass) {
-    const auto place = [](const Pass& pass) {
+void orderByView(FramePlan& plan, const Case& c, size_t firstPass) {
+    const auto place = [&](const Pass& pass) {
         const uint32_t view = pass.draws.front().constants[3];
-        return view == 0 ? MOST_VIEWS : view;
+        return view == 0 && c.view != View::culled ? MOST_VIEWS : view;
     };
     std::ranges::stable_sort(plan.passes.begin() + static_cast<std::ptrdiff_t>(firstPass), plan.passes.end(), {},
                              place);

@@ -28,7 +28,8 @@ Result<Program> makeProgram(const Case& c, const PlanInput& input, const char* l
 // Size, palette and, for a verifying plan, the stream to capture into.
 FramePlan startPlan(const Case& c, const PlanInput& input);
 
-// What passes of one program show: the main view, number 0, or some of the others, a pass each.
+// What passes of one program show: the main view, number 0, or some of the others, a pass each. In View::culled the
+// numbers are verdicts, and each makes a part of the image.
 struct Shown {
     bool image = false;  // else depth alone
     uint32_t firstView = 0;
@@ -36,8 +37,11 @@ struct Shown {
 };
 
 // What the drawing passes of a case show, one behind the other: each view but the main one, the depth of a pre-pass,
-// the image. `firstAlone` gives the first pass an entry of its own.
+// the image. `firstAlone` gives the first pass an entry of its own. View::culled has nothing but the image.
 std::vector<Shown> shownBy(const Case& c, bool firstAlone = false);
+
+// Above the numbers of all that is shown.
+uint32_t numbersShown(const Case& c);
 
 // A drawing pass: "draw" makes the image, after a pre-pass where the depth is equal; "depth" and "views" are depth
 // only.
@@ -57,9 +61,9 @@ uint32_t commandsOfView(const FramePlan& plan, const Case& c);
 // indirect they take that view's commands.
 void addPasses(FramePlan& plan, const Case& c, Program program, const Pass& pass, const Shown& shown);
 
-// Orders the passes from that one on by their views, the main one last. All views have one list of triangles or
-// meshlets, so each is drawn before the next one is listed.
-void orderByView(FramePlan& plan, size_t firstPass);
+// Orders the passes from that one on by their views, the main one last, or by their verdicts, what is drawn first. All
+// have one list of triangles or meshlets, so each is drawn before the next one is listed.
+void orderByView(FramePlan& plan, const Case& c, size_t firstPass);
 
 // A copy of the bytes for every character; nothing for null or empty bytes.
 void addStream(FramePlan& plan, uint32_t slot, uint32_t use, const Bytes& bytes, uint32_t copies);
@@ -100,8 +104,16 @@ void addGroupDraws(Pass& pass, const Case& c, const PlanInput& input, uint32_t g
 Pass dispatchPass(const char* label, const Case& c, const PlanInput& input, const DeviceCaps& caps, uint64_t each,
                   uint32_t groupSize);
 
-// What ClusterCull reads and writes, the verdicts of a verifying plan, and the defines of its stages. A list's counts
-// are a view's commands from 0 on or, with Variant::listsTriangles, those behind the draws'.
+// The most triangles of a meshlet that mesh stages declare: whole fours, as packed index writes store them.
+uint32_t declaredTriangles(const Case& c);
+
+// Whether a plan of the case has SLOT_VERDICT, and for how many triangles of a meshlet it stores whether they are
+// drawn.
+bool storesVerdicts(const Case& c, const PlanInput& input);
+uint32_t storedTriangles(const Case& c);
+
+// What ClusterCull reads and writes, the verdicts, and the defines of its stages. A list's counts are a view's commands
+// from 0 on or, with Variant::listsTriangles, those behind the draws'.
 void addClusters(FramePlan& plan, const Case& c, const PlanInput& input, const DeviceCaps& caps, Defines& defines);
 
 // The pass "bounds" of ClusterBounds::instance, and a pass "cluster" for each view where meshlets are listed.

@@ -84,7 +84,7 @@ Result<FramePlan> planCompute(const Case& c, const PlanInput& input, const Devic
 static Bytes drawCommands(const Case& c, const PlanInput& input) {
     const auto indices = static_cast<uint32_t>(input.scene->mesh.indices.size());
     std::vector<DrawCommand> commands;
-    for (uint32_t view = 0; view < c.views; ++view) {
+    for (uint32_t view = 0; view < numbersShown(c); ++view) {
         for (uint32_t copy = 0; copy < (c.submission == Submission::batched ? 1 : input.copies); ++copy)
             commands.push_back(
                 {.firstIndex = copy * indices, .baseVertex = static_cast<int32_t>(copy * input.encoded->vertexCount)});
@@ -132,7 +132,7 @@ Result<FramePlan> planComputeCull(const Case& c, const PlanInput& input, const D
     setDefine(defines, "COMMANDS_OF_VIEW", std::to_string(commandsOfView(plan, c)));
     Defines skinning = defines;
     setDefine(skinning, "LISTS_TRIANGLES", "1");
-    setDefine(skinning, "VIEWS", std::to_string(c.views));
+    setDefine(skinning, "VIEWS", std::to_string(numbersShown(c)));
     SKINBENCH_TRY(addSkinPass(plan, c, input, caps, skinning));
     SKINBENCH_TRY(addInstanceBounds(plan, c, input, caps, defines));
     const size_t first = plan.passes.size();
@@ -141,7 +141,7 @@ Result<FramePlan> planComputeCull(const Case& c, const PlanInput& input, const D
         SKINBENCH_TRY(addCullPasses(plan, c, input, caps, defines, shown));
         SKINBENCH_TRY(addSkinnedDraw(plan, c, input, shown));
     }
-    orderByView(plan, first);
+    orderByView(plan, c, first);
     return plan;
 }
 

@@ -57,8 +57,7 @@ Defines meshDefines(const Case& c, const PlanInput& input, const DeviceCaps& cap
     set("MESHLET_WORDS", packed.fixedWords);
     set("MESHLET_EXTRA_WORDS", extra.words);
     set("MESHLET_VERTICES", c.limits.vertices);
-    // Packed index writes store four triangles at a time, so the declared limit covers whole groups of four.
-    set("MESHLET_TRIANGLES", (c.limits.triangles + 3) / 4 * 4);
+    set("MESHLET_TRIANGLES", declaredTriangles(c));
     set("LAYOUT_FIXED", packed.fixedWords > 0);
     set("STAGED_JOINTS", extra.stagedJoints);
     set("COMMON_INFLUENCES", sharesJointLists(c));
@@ -99,6 +98,8 @@ Result<void> addMeshPass(FramePlan& plan, MeshPass kind, const Case& c, const Pl
 
 }  // namespace
 
+uint32_t declaredTriangles(const Case& c) { return (c.limits.triangles + 3) / 4 * 4; }
+
 // Streams of the meshlets, and the defines of the stages that read them.
 static Result<Defines> addMeshlets(FramePlan& plan, const Case& c, const PlanInput& input, const DeviceCaps& caps) {
     auto extra = makeExtra(c, input);
@@ -136,7 +137,7 @@ Result<FramePlan> planMesh(const Case& c, const PlanInput& input, const DeviceCa
             SKINBENCH_TRY(addMeshPass(plan, kind, c, input, caps, *defines, shown));
         kept = prepass;
     }
-    orderByView(plan, first);
+    orderByView(plan, c, first);
     return plan;
 }
 
@@ -154,7 +155,7 @@ Result<FramePlan> planComputeMesh(const Case& c, const PlanInput& input, const D
         SKINBENCH_TRY(addClusterList(plan, c, input, caps, *defines, shown));
         SKINBENCH_TRY(addMeshPass(plan, MeshPass::reads, c, input, caps, *defines, shown));
     }
-    orderByView(plan, first);
+    orderByView(plan, c, first);
     return plan;
 }
 

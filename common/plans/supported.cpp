@@ -68,8 +68,10 @@ bool canShuffle(const Case& c, const DeviceCaps& caps) {
 }
 
 Exchange exchangeOf(const Case& c, const DeviceCaps& caps) {
-    if (c.exchange != Exchange::automatic) return c.exchange;
-    if (!canShuffle(c, caps)) return Exchange::shared;
+    // The outputs of the view `culled` hold positions of the overview.
+    const bool shared = c.view == View::culled && c.cull == Cull::torabi;
+    if (c.exchange != Exchange::automatic && !shared) return c.exchange;
+    if (!canShuffle(c, caps) || shared) return Exchange::shared;
     if (c.cull == Cull::compact) return Exchange::shuffle;
     return c.cull == Cull::torabi && c.route->dialect == MeshDialect::nv ? Exchange::outputs : Exchange::shared;
 }

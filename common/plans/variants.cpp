@@ -102,6 +102,22 @@ bool writesFirst(const Case& c) {
     return c.route->dialect == MeshDialect::nv || !c.variant->readsSkinned;
 }
 
+uint32_t triangleTestsOf(const Case& c) {
+    if (c.variant->listsTriangles) return c.triangleTests;
+    return c.cull != Cull::off ? TEST_BACK : 0;
+}
+
+std::vector<uint32_t> verdictsOf(const Case& c) {
+    const uint32_t clusters = c.clusterCull != ClusterCull::off ? c.clusterTests : 0, triangles = triangleTestsOf(c);
+    std::vector<uint32_t> verdicts{VERDICT_DRAWN};
+    if (clusters & CLUSTER_TEST_FRUSTUM) verdicts.push_back(VERDICT_BEYOND);
+    if (clusters & CLUSTER_TEST_CONE) verdicts.push_back(VERDICT_AWAY);
+    if (triangles & TEST_FRUSTUM) verdicts.push_back(VERDICT_TRIANGLE_BEYOND);
+    if (triangles & TEST_BACK) verdicts.push_back(VERDICT_TRIANGLE_AWAY);
+    if (triangles & TEST_SMALL) verdicts.push_back(VERDICT_TRIANGLE_SMALL);
+    return verdicts;
+}
+
 bool onMeshRoute(const Case& c) { return c.route->dialect != MeshDialect::none; }
 
 bool sharesJointLists(const Case& c) { return c.variant->storedAs == StoredAs::commonInfluences; }

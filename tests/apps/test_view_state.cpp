@@ -158,6 +158,11 @@ TEST_CASE("what a device cannot draw has its reason") {
     CHECK(choiceOf(route, "gl").reason == "OpenGL: no device");
     CHECK(choiceOf(route, "cpu").reason == "route cpu draws nothing");
     CHECK_THAT(choiceOf(*controlOf(controls, "view"), "velocity").reason.value_or(""), ContainsSubstring("velocity"));
+    CHECK_THAT(choiceOf(*controlOf(controls, "view"), "culled").reason.value_or(""),
+               ContainsSubstring("--cluster-cull"));
+    Case culls = makeCase("vk-ext", "mesh");
+    culls.cull = Cull::compact;
+    CHECK(!choiceOf(*controlOf(controlsOf(culls, devices), "view"), "culled").reason);
 }
 
 TEST_CASE("any value of any axis makes a case that has an id") {

@@ -220,6 +220,26 @@ TEST_CASE("the pointer moves the splitter and turns the camera of both panes", "
     drag(view, body, body);
     REQUIRE(view.picked.size() > 4);
     CHECK_THAT(view.picked[1], ContainsSubstring("meshlet "));
+    view.state.cases[0].clusterCull = ClusterCull::list;
+    REQUIRE(drawFrame(view));
+    drag(view, body, body);
+    CHECK_THAT(view.picked[2], ContainsSubstring("drawn"));
+}
+
+TEST_CASE("the view of culling has a legend with counts, and other views have none", "[window]") {
+    Viewer& view = freshView();
+    view.state.linked = false;
+    view.state.cases[0].clusterCull = ClusterCull::list;
+    view.state.cases[0].cull = Cull::compact;
+    view.state.cases[0].view = View::culled;
+    REQUIRE(drawFrame(view));
+    CHECK(coveredFraction(drawnPicture(view, 0).image) > 0.02);
+    const std::vector<LegendRow>& legend = drawnPicture(view, 0).legend;
+    REQUIRE(legend.size() == 4);
+    CHECK_THAT(legend[0].text, ContainsSubstring("drawn: ") && ContainsSubstring(" triangles"));
+    CHECK_THAT(legend[1].text, ContainsSubstring(" meshlets (0.0 %)"));  // the robot is in the view
+    CHECK_THAT(legend[3].text, ContainsSubstring("back faces: ") && !ContainsSubstring("back faces: 0 "));
+    CHECK(drawnPicture(view, 1).legend.empty());
 }
 
 TEST_CASE("a dropped file is shown, and a bad one leaves the scene as it is", "[window]") {

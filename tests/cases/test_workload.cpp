@@ -310,7 +310,7 @@ static uint32_t copiesSeen(FrameConstants constants, const Bounds& bounds, uint3
     return seen;
 }
 
-TEST_CASE("the other views look at the copies from directions of their own") {
+TEST_CASE("the other views look at the copies from directions of their own, and the overview at all of them") {
     auto creature = makeBuiltin("creature", 3000);  // longer than it is wide
     REQUIRE(creature);
     for (const Scene& scene : {tinyScene(), *creature})
@@ -323,6 +323,11 @@ TEST_CASE("the other views look at the copies from directions of their own") {
                 const Bounds bounds = workload.bounds[4];
                 std::vector<glm::mat4> views{constants.viewProjection};
                 views.insert(views.end(), std::begin(constants.otherViews), std::end(constants.otherViews));
+                for (uint32_t copy = 0; copy < copies; ++copy) {
+                    const Extent extent = projected(constants, bounds, copy, constants.overview);
+                    CHECK(glm::all(glm::lessThan(extent.max, glm::vec3(1))));
+                    CHECK(glm::all(glm::greaterThan(extent.min, glm::vec3(-1, -1, 0))));
+                }
                 for (size_t view = 0; view < views.size(); ++view) {
                     INFO(scene.name << ", " << copies << " copies, camera "
                                     << cameraNames()[static_cast<size_t>(camera)] << ", view " << view);

@@ -1,9 +1,13 @@
 // The decoders of shaders_glsl/codecs/, compiled as C++, against the CPU's readers; and as GLSL in every dialect.
+#include <algorithm>
 #include <bit>
 #include <cmath>
+#include <cstring>
 #include <filesystem>
+#include <format>
 #include <fstream>
 #include <set>
+#include <span>
 
 #include <catch2/catch_test_macros.hpp>
 #include <nlohmann/json.hpp>
@@ -259,6 +263,41 @@ TEST_CASE("every codec row can be found, and its names are unique") {
     }
     for (const glsl::Decoder* decoder : glsl::decoders()) names.erase(decoder->codec);
     CHECK(names.empty());
+}
+
+TEST_CASE("how a vertex is stored is said in words: the tuple has the joints that decode") {
+    const Mesh mesh = randomMesh(5, 400, 30);
+    const MeshletMesh cut = cutMeshlets(mesh, {32, 32});
+    for (const char* name : {"pc", "pc24", "oss", "oss22", "pdc8", "pdc16", "pdc32", "dpdc16"}) {
+        INFO("codec " << name);
+        const auto encoded = findCodec(name)->encode({mesh, &cut, 4});
+        REQUIRE(encoded);
+        REQUIRE(encoded->blendText);
+        const Mesh decoded = encoded->decode();
+        const MeshletMesh& meshlets = encoded->meshlets ? *encoded->meshlets : cut;
+        std::vector<uint16_t> tuples(encoded->tuples->size() / sizeof(uint16_t));
+        std::memcpy(tuples.data(), encoded->tuples->data(), encoded->tuples->size());
+        size_t wrong = 0;
+        for (size_t m = 0; m < meshlets.meshlets.size(); ++m)
+            for (uint32_t i = 0; i < meshlets.meshlets[m].vertexCount; ++i) {
+                const uint32_t vertex = meshlets.vertices[meshlets.meshlets[m].firstVertex + i];
+                const std::string text = encoded->blendText(vertex, m);
+                INFO(text);
+                const size_t place = text.find("tuple ");
+                REQUIRE(place != std::string::npos);
+                const size_t tuple = std::stoul(text.substr(place + 6)) * 4;
+                REQUIRE(tuple + 4 <= tuples.size());
+                const std::span<const uint16_t> joints(&tuples[tuple], 4);
+                for (int k = 0; k < 4; ++k) {
+                    const Influences& own = decoded.influences[vertex];
+                    wrong += own.weights[k] > 0 && std::ranges::find(joints, own.joints[k]) == joints.end();
+                }
+                if (encoded->blendBytes.empty() || encoded->blendBytes[m] == 0) continue;
+                wrong += !text.contains(std::format("in {} bits", encoded->blendBytes[m] * 8));
+            }
+        CHECK(wrong == 0);
+    }
+    for (const char* name : {"uc", "uc16"}) CHECK(!findCodec(name)->encode({mesh, &cut, 4})->blendText);
 }
 
 TEST_CASE("every decoder compiles in every stage and dialect") {

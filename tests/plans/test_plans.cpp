@@ -155,6 +155,45 @@ TEST_CASE("the other views are drawn before the main one, depth alone, from what
     }
 }
 
+TEST_CASE("the view of culling has a pass for each verdict, what is drawn first, and draws back faces too") {
+    Workload workload = tinyWorkload(3);
+    struct Expected {
+        const char *route, *variant;
+        ClusterCull clusters;
+        Cull cull;
+        std::vector<uint32_t> verdicts;
+    };
+    const Expected all[] = {
+        {"vk", "compute-cull", ClusterCull::off, Cull::off, {0, 3, 4, 5}},
+        {"gl", "compute-cull", ClusterCull::list, Cull::off, {0, 1, 2, 3, 4, 5}},
+        {"vk-ext", "mesh", ClusterCull::task, Cull::off, {0, 1, 2}},
+        {"vk-nv", "mesh-ci", ClusterCull::off, Cull::compact, {0, 4}},
+        {"gl-ext", "compute-mesh", ClusterCull::list, Cull::compact, {0, 1, 2, 4}},
+    };
+    for (const Expected& expected : all) {
+        Case c = makeCase(expected.route, expected.variant);
+        c.clusterCull = expected.clusters;
+        c.cull = expected.cull;
+        c.view = View::culled;
+        c.views = 2;  // the others draw nothing of the picture
+        const FramePlan plan = planOf(workload, c, generousCaps(c.route->api));
+        INFO(caseId(c));
+        CHECK(verdictsOf(c) == expected.verdicts);
+        std::vector<uint32_t> drawn;
+        for (const Pass& pass : plan.passes) {
+            if (pass.kind == PassKind::dispatch) continue;
+            drawn.push_back(pass.draws.front().constants[3]);
+            CHECK(pass.clear == (drawn.back() == VERDICT_DRAWN));
+            CHECK(!pass.cullBackFaces);
+            CHECK(pass.writeColor);
+        }
+        CHECK(drawn == expected.verdicts);
+        CHECK(streamOf(plan, SLOT_VERDICT));
+        c.view = View::shaded;
+        CHECK(!streamOf(planOf(workload, c, generousCaps(c.route->api)), SLOT_VERDICT));
+    }
+}
+
 TEST_CASE("each view's triangles are counted in commands of their own") {
     Workload workload = tinyWorkload(3);
     for (Submission submission : {Submission::perCopy, Submission::batched}) {
