@@ -3,10 +3,9 @@
 #include <map>
 #include <utility>
 
-#include "backend_gl/context.h"
 #include "backend_gl/counters.h"
 #include "backend_gl/driver_faults.h"
-#include "backend_gl/plan.h"
+#include "backend_gl/in_flight.h"
 
 namespace skinbench {
 
@@ -18,13 +17,6 @@ using Clock = std::chrono::steady_clock;
 
 double milliseconds(Clock::duration duration) { return std::chrono::duration<double, std::milli>(duration).count(); }
 
-// Buffers of the backend that grow to what the largest batch needs.
-struct FrameBuffer {
-    GlBuffer buffer;
-    uint64_t capacity = 0;
-    uint64_t stride = 0;  // of one frame in the current batch
-};
-
 class GlBackend final : public Backend {
 public:
     GlBackend(std::unique_ptr<Context> context, Staging staging);
@@ -34,6 +26,8 @@ public:
     const DeviceCaps& caps() const override { return context_->caps; }
     Result<PlanId> prepare(const FramePlan& plan) override;
     Result<std::vector<Timing>> run(PlanId id, std::span<const FrameInput> frames, RunMode mode) override;
+    Result<void> begin(PlanId id, const FrameInput& frame) override;
+    Result<FinishedFrame> finish(PlanId id) override;
     Result<Image> readImage(PlanId id) override;
     Result<std::vector<std::byte>> readStream(PlanId id, uint32_t slot) override;
     void release(PlanId id) override;
@@ -42,28 +36,17 @@ public:
 private:
     Result<void> enter();
     Result<void> checkLost();
-    Result<void> waitForDevice(uint64_t frames);
+    Result<void> waitForDevice(GLsync fence, uint64_t frames);
     Result<GlPlan*> enterWith(PlanId id);
     void dropUnusedTargets();
 
-    Result<void> reserve(FrameBuffer& frame, uint64_t bytes, GLuint alignment, size_t frames, const GlPlan& plan);
+    Result<void> reserve(GlFrameBuffer& frame, uint64_t bytes, GLuint alignment, size_t frames, const GlPlan& plan);
     Result<void> uploadFrames(const GlPlan& plan, std::span<const FrameInput> frames);
-    void bindStreams(const GlPlan& plan);
-    void bindFrame(const GlPlan& plan, size_t frame);
     double uploadSkinned(const GlBuffer& stream, const FrameInput& input);
-    void recordFrame(const GlPlan& plan, size_t frame, bool timed);
-    void recordPasses(const GlPlan& plan, size_t frame, bool waits, const Pass* cleared);
-    void recordOverlapped(const GlPlan& plan, size_t frame, bool timed);
-    void countFrame(const GlPlan& plan, size_t frame, Timing& timing);
+    GlFrameRecord recordOf(const GlPlan& plan, const GlFrameData& data, size_t frame) const;
     Clock::duration recordBatch(const GlPlan& plan, std::span<const FrameInput> frames, RunMode mode,
                                 std::vector<Timing>& timings);
-    void drawMesh(const GlPlan& plan, const LinkedProgram& program, const Draw& draw);
-    void issueDraws(const GlPlan& plan, const Pass& pass, size_t frame);
-    void beginPass(const GlPlan& plan, const Pass& pass, bool clear);
-    void timestamp(GLuint query);
-    void recordPass(const GlPlan& plan, const Pass& pass, size_t frame, const GLuint* queries);
     void needQueries(size_t count);
-    void readTimes(size_t pairs, std::vector<Timing>& timings);
 
     std::unique_ptr<Context> context_;  // first, so that it goes last
     Staging staging_;
@@ -71,17 +54,17 @@ private:
     ProgramCache programs_;
     std::map<PlanId, GlPlan> plans_;
     std::map<std::pair<uint32_t, uint32_t>, GlTargets> targets_;
-    FrameBuffer palettes_, constants_;
+    GlFrameData frameData_;
+    GlRecorder recorder_;
+    std::map<PlanId, GlInFlight> inFlight_;  // of plans that a frame of began
     GLuint paletteAlignment_ = 256, constantsAlignment_ = 256;
-    GLuint storageBindings_ = 0;
-    LinkedProgram betweenMeshDraws_;  // see driver_faults.h
     std::vector<GLuint> queries_;
     PlanId nextId_ = 1;
     std::string lost_;  // why the device is gone; empty: it is not
 };
 
 GlBackend::GlBackend(std::unique_ptr<Context> context, Staging staging)
-    : context_(std::move(context)), staging_(std::move(staging)) {
+    : context_(std::move(context)), staging_(std::move(staging)), recorder_{.context = *context_} {
     auto get = [](GLenum name) {
         GLint value = 0;
         glGetIntegerv(name, &value);
@@ -89,14 +72,14 @@ GlBackend::GlBackend(std::unique_ptr<Context> context, Staging staging)
     };
     paletteAlignment_ = std::max(get(GL_SHADER_STORAGE_BUFFER_OFFSET_ALIGNMENT), GLuint{kPaletteAlignment});
     constantsAlignment_ = get(GL_UNIFORM_BUFFER_OFFSET_ALIGNMENT);
-    storageBindings_ = get(GL_MAX_SHADER_STORAGE_BUFFER_BINDINGS);
+    recorder_.storageBindings = get(GL_MAX_SHADER_STORAGE_BUFFER_BINDINGS);
 }
 
 Result<void> GlBackend::start() {
     if (!context_->caps.ext.available) return {};
     auto between = findStaleConstants(context_->drawMeshTasksExt, programs_, staging_);
     SKINBENCH_TRY(between);
-    betweenMeshDraws_ = *between;
+    recorder_.betweenMeshDraws = *between;
     return {};
 }
 
@@ -118,10 +101,9 @@ Result<void> GlBackend::checkLost() {
     return deviceError(lost_);
 }
 
-Result<void> GlBackend::waitForDevice(uint64_t frames) {
+Result<void> GlBackend::waitForDevice(GLsync fence, uint64_t frames) {
     const uint64_t seconds = (frames + 1) * kSecondsPerFrame;  // one leads in
-    GLsync fence = glFenceSync(GL_SYNC_GPU_COMMANDS_COMPLETE, 0);
-    GLenum status = glClientWaitSync(fence, GL_SYNC_FLUSH_COMMANDS_BIT, seconds * 1'000'000'000);
+    const GLenum status = glClientWaitSync(fence, GL_SYNC_FLUSH_COMMANDS_BIT, seconds * 1'000'000'000);
     glDeleteSync(fence);
     SKINBENCH_TRY(checkLost());
     if (status == GL_ALREADY_SIGNALED || status == GL_CONDITION_SATISFIED) return {};
@@ -141,9 +123,9 @@ Result<PlanId> GlBackend::prepare(const FramePlan& plan) {
     SKINBENCH_TRY(enter());
     SKINBENCH_TRY(checkPlan(plan, caps()));
     for (const Stream& stream : plan.streams)
-        if ((stream.use & useStorage) && stream.slot >= storageBindings_)
+        if ((stream.use & useStorage) && stream.slot >= recorder_.storageBindings)
             return deviceError(std::format("{}: slot {} needs more than the {} storage bindings of {}", plan.label,
-                                           stream.slot, storageBindings_, caps().name));
+                                           stream.slot, recorder_.storageBindings, caps().name));
     auto made = makeGlPlan(plan, programs_, staging_, memory_);
     SKINBENCH_TRY(checkLost());
     SKINBENCH_TRY(made);
@@ -159,6 +141,11 @@ Result<PlanId> GlBackend::prepare(const FramePlan& plan) {
 
 void GlBackend::release(PlanId id) {
     if (!context_->makeCurrent()) return;
+    if (const auto known = inFlight_.find(id); known != inFlight_.end()) {
+        FrameSlots& slots = known->second.slots;
+        while (slots.begun && lost_.empty()) (void)waitForDevice(known->second.frames[slots.finish()].done, 1);
+        inFlight_.erase(known);
+    }
     plans_.erase(id);
     dropUnusedTargets();
 }
@@ -172,7 +159,7 @@ void GlBackend::dropUnusedTargets() {
     });
 }
 
-Result<void> GlBackend::reserve(FrameBuffer& frame, uint64_t bytes, GLuint alignment, size_t frames,
+Result<void> GlBackend::reserve(GlFrameBuffer& frame, uint64_t bytes, GLuint alignment, size_t frames,
                                 const GlPlan& plan) {
     frame.stride = (bytes + alignment - 1) / alignment * alignment;
     uint64_t needed = frame.stride * frames;
@@ -187,39 +174,15 @@ Result<void> GlBackend::reserve(FrameBuffer& frame, uint64_t bytes, GLuint align
 }
 
 Result<void> GlBackend::uploadFrames(const GlPlan& plan, std::span<const FrameInput> frames) {
-    SKINBENCH_TRY(reserve(constants_, sizeof(FrameConstants), constantsAlignment_, frames.size(), plan));
-    SKINBENCH_TRY(reserve(palettes_, plan.shape.paletteBytes, paletteAlignment_, frames.size(), plan));
+    SKINBENCH_TRY(reserve(frameData_.constants, sizeof(FrameConstants), constantsAlignment_, frames.size(), plan));
+    SKINBENCH_TRY(reserve(frameData_.palettes, plan.shape.paletteBytes, paletteAlignment_, frames.size(), plan));
     for (size_t i = 0; i < frames.size(); ++i) {
-        staging_.write(constants_.buffer, i * constants_.stride, std::as_bytes(std::span(&frames[i].constants, 1)));
-        staging_.write(palettes_.buffer, i * palettes_.stride, frames[i].palette);
+        staging_.write(frameData_.constants.buffer, i * frameData_.constants.stride,
+                       std::as_bytes(std::span(&frames[i].constants, 1)));
+        staging_.write(frameData_.palettes.buffer, i * frameData_.palettes.stride, frames[i].palette);
     }
     staging_.finish();
     return {};
-}
-
-// All slots at once, so that nothing of an earlier plan stays bound.
-void GlBackend::bindStreams(const GlPlan& plan) {
-    std::array<GLuint, SLOT_COUNT> storage{}, uniform{};
-    GLuint commands = 0;
-    for (size_t i = 0; i < plan.streams.size(); ++i) {
-        const Stream& stream = plan.shape.streams[i];
-        if (stream.use & useStorage) storage[stream.slot] = plan.streams[i].id();
-        if (stream.use & useUniform) uniform[stream.slot] = plan.streams[i].id();
-        if (stream.use & useIndirect) commands = plan.streams[i].id();
-    }
-    for (GLenum target : {GL_DRAW_INDIRECT_BUFFER, GL_DISPATCH_INDIRECT_BUFFER}) glBindBuffer(target, commands);
-    auto count = static_cast<GLsizei>(std::min<GLuint>(SLOT_COUNT, storageBindings_));
-    glBindBuffersBase(GL_SHADER_STORAGE_BUFFER, 0, count, storage.data());
-    glBindBuffersBase(GL_UNIFORM_BUFFER, 0, SLOT_COUNT, uniform.data());
-}
-
-void GlBackend::bindFrame(const GlPlan& plan, size_t frame) {
-    glBindBufferRange(GL_UNIFORM_BUFFER, SLOT_FRAME, constants_.buffer.id(),
-                      static_cast<GLintptr>(frame * constants_.stride), sizeof(FrameConstants));
-    if (plan.shape.paletteBytes > 0 && plan.shape.paletteRange == 0)
-        glBindBufferRange(GL_SHADER_STORAGE_BUFFER, SLOT_PALETTE, palettes_.buffer.id(),
-                          static_cast<GLintptr>(frame * palettes_.stride),
-                          static_cast<GLsizeiptr>(plan.shape.paletteBytes));
 }
 
 double GlBackend::uploadSkinned(const GlBuffer& stream, const FrameInput& input) {
@@ -230,156 +193,22 @@ double GlBackend::uploadSkinned(const GlBuffer& stream, const FrameInput& input)
     return milliseconds(Clock::now() - start);
 }
 
-void applyRaster(const Pass& pass) {
-    bool keep = pass.depth == DepthTest::equalKeep;
-    bool never = pass.raster == RasterMode::noFragments;
-    glDepthFunc(never ? GL_NEVER : keep ? GL_EQUAL : GL_LESS);
-    glDepthMask(!never && !keep);
-    glColorMask(pass.writeColor, pass.writeColor, pass.writeColor, pass.writeColor);
-    (pass.cullBackFaces ? glEnable : glDisable)(GL_CULL_FACE);
-    (pass.raster == RasterMode::discard ? glEnable : glDisable)(GL_RASTERIZER_DISCARD);
-}
-
-// Masks and rasteriser discard hold for clears too.
-void clearTargets(GLuint framebuffer, const std::array<float, 4>& background) {
-    glDisable(GL_RASTERIZER_DISCARD);
-    glDepthMask(GL_TRUE);
-    glColorMask(GL_TRUE, GL_TRUE, GL_TRUE, GL_TRUE);
-    const GLfloat depth = 1;
-    glClearNamedFramebufferfv(framebuffer, GL_COLOR, 0, background.data());
-    glClearNamedFramebufferfv(framebuffer, GL_DEPTH, 0, &depth);
-}
-
-GLintptr placeOf(uint32_t command) { return static_cast<GLintptr>(command) * GLintptr{sizeof(DrawCommand)}; }
-
-void GlBackend::drawMesh(const GlPlan& plan, const LinkedProgram& program, const Draw& draw) {
-    if (plan.shape.dialect == MeshDialect::nv) {
-        if (draw.command)
-            glDrawMeshTasksIndirectNV(placeOf(*draw.command));
-        else
-            glDrawMeshTasksNV(0, draw.count);
-        return;
-    }
-    if (betweenMeshDraws_.id && program.constants >= 0) {
-        glUseProgram(betweenMeshDraws_.id);
-        context_->drawMeshTasksExt(0, 1, 1);
-        glUseProgram(program.id);
-    }
-    if (draw.command)
-        context_->drawMeshTasksIndirectExt(placeOf(*draw.command));
-    else
-        context_->drawMeshTasksExt(draw.count, 1, 1);
-}
-
-void GlBackend::issueDraws(const GlPlan& plan, const Pass& pass, size_t frame) {
-    const LinkedProgram& program = plan.programs[pass.program].linked;
-    for (const Draw& draw : pass.draws) {
-        if (plan.shape.paletteRange)
-            glBindBufferRange(GL_UNIFORM_BUFFER, SLOT_PALETTE, palettes_.buffer.id(),
-                              static_cast<GLintptr>(frame * palettes_.stride + draw.paletteOffset),
-                              plan.shape.paletteRange);
-        if (program.constants >= 0) glUniform4uiv(program.constants, 1, draw.constants.data());
-        switch (pass.kind) {
-            case PassKind::dispatch:
-                if (draw.command)
-                    glDispatchComputeIndirect(placeOf(*draw.command));
-                else
-                    glDispatchCompute(draw.count, 1, 1);
-                break;
-            case PassKind::drawIndexed:
-                if (draw.command)
-                    glDrawElementsIndirect(GL_TRIANGLES, GL_UNSIGNED_INT,
-                                           reinterpret_cast<const void*>(placeOf(*draw.command)));
-                else
-                    glDrawElementsBaseVertex(GL_TRIANGLES, static_cast<GLsizei>(draw.count), GL_UNSIGNED_INT,
-                                             reinterpret_cast<const void*>(uintptr_t{draw.firstIndex} * 4),
-                                             draw.baseVertex);
-                break;
-            case PassKind::drawMesh:
-                drawMesh(plan, program, draw);
-                break;
-        }
-    }
-}
-
-void GlBackend::beginPass(const GlPlan& plan, const Pass& pass, bool clear) {
-    const GlProgram& program = plan.programs[pass.program];
-    if (pass.kind != PassKind::dispatch) {
-        GLuint framebuffer = targets_.at({plan.shape.width, plan.shape.height}).framebuffer.id();
-        glBindFramebuffer(GL_FRAMEBUFFER, framebuffer);
-        glViewport(0, 0, static_cast<GLsizei>(plan.shape.width), static_cast<GLsizei>(plan.shape.height));
-        if (clear) clearTargets(framebuffer, plan.shape.background);
-        applyRaster(pass);
-        glBindVertexArray(program.vertexArray.id());
-    }
-    glUseProgram(program.linked.id);
-}
-
-// Mesa's software driver puts a timestamp into its queue of tiles, and runs the geometry stages while the host records.
-// So the queue is empty on both sides; a GPU is not waited for here.
-void GlBackend::timestamp(GLuint query) {
-    if (caps().software) glFinish();
-    glQueryCounter(query, GL_TIMESTAMP);
-    if (caps().software) glFinish();
-}
-
-// OpenGL has no execution barrier. What stands for it: a timestamp is taken "after all previous commands … have been
-// fully realized" (OpenGL 4.6, 4.3), and glMemoryBarrier makes later commands wait for shader writes, which drivers
-// do by draining the pipeline. So the first timestamp follows the clear and the pass before, and the second one the
-// last pixel. What remains is that the head of a pass may overlap the tail of a pass whose results it does not use:
-// then its interval starts late, at the end of that tail.
-void GlBackend::recordPass(const GlPlan& plan, const Pass& pass, size_t frame, const GLuint* queries) {
-    beginPass(plan, pass, pass.clear);
-    glMemoryBarrier(GL_ALL_BARRIER_BITS);
-    if (queries) timestamp(queries[0]);
-    issueDraws(plan, pass, frame);
-    if (queries) timestamp(queries[1]);
-    glMemoryBarrier(GL_ALL_BARRIER_BITS);
-}
-
-void GlBackend::recordFrame(const GlPlan& plan, size_t frame, bool timed) {
-    bindFrame(plan, frame);
-    for (size_t i = 0; i < plan.shape.passes.size(); ++i) {
-        const GLuint* queries = timed ? &queries_[(frame * plan.shape.passes.size() + i) * 2] : nullptr;
-        recordPass(plan, plan.shape.passes[i], frame, queries);
-    }
-}
-
-// All passes, the first one too behind what it needs if it `waits`. Each clears in its turn, but for `cleared`.
-void GlBackend::recordPasses(const GlPlan& plan, size_t frame, bool waits, const Pass* cleared) {
-    for (const Pass& pass : plan.shape.passes) {
-        if (waits)
-            glMemoryBarrier(GL_VERTEX_ATTRIB_ARRAY_BARRIER_BIT | GL_SHADER_STORAGE_BARRIER_BIT |
-                            GL_ELEMENT_ARRAY_BARRIER_BIT | GL_COMMAND_BARRIER_BIT);
-        beginPass(plan, pass, pass.clear && &pass != cleared);
-        issueDraws(plan, pass, frame);
-        waits = true;
-    }
-}
-
-void GlBackend::recordOverlapped(const GlPlan& plan, size_t frame, bool timed) {
-    bindFrame(plan, frame);
-    const GLuint* queries = timed ? &queries_[frame * 2] : nullptr;
-    const Pass* const first = firstDrawing(plan.shape);
-    if (first && first->clear) beginPass(plan, *first, true);
-    glMemoryBarrier(GL_ALL_BARRIER_BITS);
-    if (queries) timestamp(queries[0]);
-    recordPasses(plan, frame, false, first);
-    if (queries) timestamp(queries[1]);
-    glMemoryBarrier(GL_ALL_BARRIER_BITS);
-}
-
-void GlBackend::countFrame(const GlPlan& plan, size_t frame, Timing& timing) {
+void countFrame(const GlFrameRecord& record, Timing& timing) {
     const GlCounterQueries queries;
     timing.counters.emplace();
-    bindFrame(plan, frame);
-    for (const Pass& pass : plan.shape.passes) {
-        beginPass(plan, pass, pass.clear);
+    bindFrame(record);
+    for (const Pass& pass : record.plan.shape.passes) {
+        beginPass(record, pass, pass.clear);
         glMemoryBarrier(GL_ALL_BARRIER_BITS);
         queries.begin();
-        issueDraws(plan, pass, frame);
+        issueDraws(record, pass);
         queries.end(pass.kind, *timing.counters);
     }
+}
+
+GlFrameRecord GlBackend::recordOf(const GlPlan& plan, const GlFrameData& data, size_t frame) const {
+    const auto targets = targets_.find({plan.shape.width, plan.shape.height});
+    return {recorder_, plan, data, targets == targets_.end() ? 0 : targets->second.framebuffer.id(), frame};
 }
 
 void GlBackend::needQueries(size_t count) {
@@ -387,21 +216,6 @@ void GlBackend::needQueries(size_t count) {
     if (have >= count) return;
     queries_.resize(count);
     glCreateQueries(GL_TIMESTAMP, static_cast<GLsizei>(count - have), &queries_[have]);
-}
-
-void GlBackend::readTimes(size_t pairs, std::vector<Timing>& timings) {
-    uint32_t bits = caps().timestampBits;
-    uint64_t mask = bits >= 64 ? UINT64_MAX : (uint64_t{1} << bits) - 1;
-    for (size_t frame = 0; frame < timings.size(); ++frame) {
-        timings[frame].passes.assign(pairs, 0.0);
-        for (size_t i = 0; i < pairs; ++i) {
-            const GLuint* queries = &queries_[(frame * pairs + i) * 2];
-            GLuint64 begin = 0, end = 0;
-            glGetQueryObjectui64v(queries[0], GL_QUERY_RESULT, &begin);
-            glGetQueryObjectui64v(queries[1], GL_QUERY_RESULT, &end);
-            timings[frame].passes[i] = static_cast<double>((end - begin) & mask) * 1e-6;
-        }
-    }
 }
 
 // OpenGL begins to execute while the host still records, so that the first frame's dispatches would wait for the host
@@ -412,15 +226,18 @@ Clock::duration GlBackend::recordBatch(const GlPlan& plan, std::span<const Frame
     const Stream* written = hostWrittenStream(plan.shape);
     const bool together = runsTogether(plan.shape, mode);
     auto record = [&](size_t frame, bool timed) {
-        if (mode == RunMode::timed) return recordFrame(plan, frame, timed);
-        if (!together) return recordOverlapped(plan, frame, timed);
+        const GlFrameRecord record = recordOf(plan, frameData_, frame);
+        const size_t pairs = timesOfFrame(plan.shape, mode);
+        const GLuint* queries = timed ? queries_.data() + frame * pairs * 2 : nullptr;
+        if (mode == RunMode::timed) return recordTimed(record, queries);
+        if (!together) return recordOverlapped(record, queries);
         if (timed && frame == 0) {
             glMemoryBarrier(GL_ALL_BARRIER_BITS);
-            timestamp(queries_[0]);
+            writeTimestamp(*context_, queries_[0]);
         }
-        bindFrame(plan, frame);
-        recordPasses(plan, frame, frame > 0, nullptr);
-        if (timed && frame + 1 == frames.size()) timestamp(queries_[1]);
+        bindFrame(record);
+        recordPasses(record, frame > 0, nullptr);
+        if (timed && frame + 1 == frames.size()) writeTimestamp(*context_, queries_[1]);
     };
     if (mode != RunMode::counted && !written && !caps().software) record(0, false);
     Clock::duration spent{};
@@ -431,7 +248,7 @@ Clock::duration GlBackend::recordBatch(const GlPlan& plan, std::span<const Frame
         }
         auto start = Clock::now();
         if (mode == RunMode::counted)
-            countFrame(plan, i, timings[i]);
+            countFrame(recordOf(plan, frameData_, i), timings[i]);
         else
             record(i, true);
         spent += Clock::now() - start;
@@ -451,28 +268,58 @@ Result<std::vector<Timing>> GlBackend::run(PlanId id, std::span<const FrameInput
 
     GlTargets* targets = drawsImage(plan.shape) ? &targets_.at({plan.shape.width, plan.shape.height}) : nullptr;
     if (targets) targets->renderedBy = 0;
-    bindStreams(plan);
+    bindStreams(recorder_, plan);
     const size_t pairs = timesOfFrame(plan.shape, mode);
     needQueries(frames.size() * pairs * 2);
     const Clock::duration record = recordBatch(plan, frames, mode, timings);
     auto start = Clock::now();
     glFlush();
     auto submit = Clock::now() - start;
-    SKINBENCH_TRY(waitForDevice(frames.size()));
+    SKINBENCH_TRY(waitForDevice(glFenceSync(GL_SYNC_GPU_COMMANDS_COMPLETE, 0), frames.size()));
     SKINBENCH_TRY(checkGl(plan.shape.label, planBytes(plan.shape)));
-    if (runsTogether(plan.shape, mode)) {
-        std::vector<Timing> all(1);
-        readTimes(1, all);
-        for (Timing& timing : timings) timing.passes = {all[0].passes[0] / static_cast<double>(frames.size())};
-    } else {
-        readTimes(pairs, timings);
-    }
-    for (Timing& timing : timings) {
+    const bool together = runsTogether(plan.shape, mode);
+    for (size_t i = 0; i < timings.size(); ++i) {
+        Timing& timing = timings[i];
+        timing.passes = readTimes(*context_, queries_.data() + (together ? 0 : i * pairs * 2), pairs);
+        if (together) timing.passes[0] /= static_cast<double>(frames.size());
         timing.record = milliseconds(record) / static_cast<double>(frames.size());
         timing.submit = milliseconds(submit) / static_cast<double>(frames.size());
     }
     if (targets) targets->renderedBy = id;
     return timings;
+}
+
+Result<void> GlBackend::begin(PlanId id, const FrameInput& frame) {
+    auto found = enterWith(id);
+    SKINBENCH_TRY(found);
+    const GlPlan& plan = **found;
+    const auto known = inFlight_.find(id);
+    SKINBENCH_TRY(checkBegin(plan.shape, frame, known == inFlight_.end() ? 0 : known->second.slots.begun));
+    if (known == inFlight_.end()) {
+        auto opened = openInFlight(plan.shape);
+        SKINBENCH_TRY(opened);
+        inFlight_.emplace(id, std::move(*opened));
+    }
+    GlTargets& targets = targets_.at({plan.shape.width, plan.shape.height});
+    targets.renderedBy = 0;
+    GlInFlight& inFlight = inFlight_.at(id);
+    const GlFrameRecord record = recordOf(plan, inFlight.frames[inFlight.slots.next()].data, 0);
+    SKINBENCH_TRY(beginFrame(inFlight, record, targets.color, frame));
+    targets.renderedBy = id;
+    return {};
+}
+
+Result<FinishedFrame> GlBackend::finish(PlanId id) {
+    auto found = enterWith(id);
+    SKINBENCH_TRY(found);
+    const FramePlan& plan = (*found)->shape;
+    const auto known = inFlight_.find(id);
+    SKINBENCH_TRY(checkFinish(plan, known == inFlight_.end() ? 0 : known->second.slots.begun));
+    const GlFrameInFlight& frame = known->second.frames[known->second.slots.finish()];
+    SKINBENCH_TRY(waitForDevice(frame.done, 1));
+    FinishedFrame finished = finishedFrame(*context_, plan, frame);
+    SKINBENCH_TRY(checkGl(plan.label, finished.image.rgba.size()));
+    return finished;
 }
 
 Result<Image> GlBackend::readImage(PlanId id) {

@@ -23,11 +23,11 @@ Result<void> checkGl(const std::string& what, uint64_t bytes) {
     return deviceError(std::format("{}: OpenGL said {}; validation names the call", what, glErrorName(error)));
 }
 
-Result<GlBuffer> makeBuffer(uint64_t bytes, const std::string& what) {
+Result<GlBuffer> makeBuffer(uint64_t bytes, const std::string& what, GLbitfield flags) {
     GLuint id = 0;
     glCreateBuffers(1, &id);
     GlBuffer buffer(id);
-    glNamedBufferStorage(id, static_cast<GLsizeiptr>(std::max<uint64_t>(bytes, 4)), nullptr, 0);
+    glNamedBufferStorage(id, static_cast<GLsizeiptr>(std::max<uint64_t>(bytes, 4)), nullptr, flags);
     SKINBENCH_TRY(checkGl(what, bytes));
     return buffer;
 }

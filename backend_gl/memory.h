@@ -54,8 +54,8 @@ void dropGlErrors();
 // The first pending error as a sentence about `what`, which takes `bytes` of device memory.
 Result<void> checkGl(const std::string& what, uint64_t bytes);
 
-// Device-local and immutable: only copies and shaders write it. `what` is for the message.
-Result<GlBuffer> makeBuffer(uint64_t bytes, const std::string& what);
+// Immutable, and device-local without flags: only copies and shaders write it. `what` is for the message.
+Result<GlBuffer> makeBuffer(uint64_t bytes, const std::string& what, GLbitfield flags = 0);
 void clearBuffer(const GlBuffer& buffer, uint64_t bytes);
 
 // Host memory that the device sees, through which everything goes in pieces, so that neither copies of a stream nor

@@ -6,6 +6,7 @@
 
 #include "backend_vulkan/batch.h"
 #include "backend_vulkan/counters.h"
+#include "backend_vulkan/in_flight.h"
 
 namespace skinbench {
 
@@ -24,42 +25,41 @@ public:
     const DeviceCaps& caps() const override { return device_->caps; }
     Result<PlanId> prepare(const FramePlan& plan) override;
     Result<std::vector<Timing>> run(PlanId id, std::span<const FrameInput> frames, RunMode mode) override;
+    Result<void> begin(PlanId id, const FrameInput& frame) override;
+    Result<FinishedFrame> finish(PlanId id) override;
     Result<Image> readImage(PlanId id) override;
     Result<std::vector<std::byte>> readStream(PlanId id, uint32_t slot) override;
-    void release(PlanId id) override { plans_.erase(id); }
+    void release(PlanId id) override;
     std::vector<std::string> takeMessages() override;
 
 private:
     Result<Plan*> findPlan(PlanId id) const;
+    InFlight* framesOf(PlanId id) const;
     Result<std::shared_ptr<Target>> targetFor(const FramePlan& plan);
-    Result<void> needQueries(uint32_t count);
-    uint64_t queriesDone(uint32_t count) const;
     Result<double> copySkinned(Plan& plan, std::span<const std::byte> skinned);
-    template <class Measure>
-    void recordPass(const FrameRecord& record, size_t number, const Measure& measure) const;
     void recordOverlapped(const FrameRecord& record, uint32_t query) const;
     Result<void> runBatch(const Plan& plan, size_t first, std::span<Timing> timings, RunMode mode);
     Result<void> runTogether(const Plan& plan, std::span<Timing> timings);
     Result<void> countBatch(const Plan& plan, size_t first, std::span<Timing> timings);
-    Result<void> readTimings(uint32_t pairs, std::span<Timing> timings);
 
     std::unique_ptr<Device> device_;
     VkPipelineCache pipelineCache_;
-    VkQueryPool queries_ = VK_NULL_HANDLE;
-    uint32_t queryCount_ = 0;
+    Timestamps times_;
     std::unique_ptr<TwoQueues> twoQueues_;  // null before the first batch over two queues
     FrameData frameData_;
     std::map<std::pair<uint32_t, uint32_t>, std::weak_ptr<Target>> targets_;
     std::map<PlanId, std::unique_ptr<Plan>> plans_;
+    std::map<PlanId, std::unique_ptr<InFlight>> inFlight_;  // of plans that a frame of began
     PlanId nextPlan_ = 1;
 };
 
 VulkanBackend::~VulkanBackend() {
     if (!device_->hung) device_->vk.vkDeviceWaitIdle(device_->handle);
+    inFlight_.clear();
     plans_.clear();
     twoQueues_.reset();
     destroy(*device_, frameData_.buffer);
-    if (!device_->hung) device_->vk.vkDestroyQueryPool(device_->handle, queries_, nullptr);
+    destroy(*device_, times_);
     closePipelineCache(*device_, pipelineCache_);
 }
 
@@ -90,29 +90,6 @@ Result<PlanId> VulkanBackend::prepare(const FramePlan& plan) {
     return nextPlan_++;
 }
 
-Result<void> VulkanBackend::needQueries(uint32_t count) {
-    if (count <= queryCount_) return {};
-    device_->vk.vkDestroyQueryPool(device_->handle, std::exchange(queries_, VK_NULL_HANDLE), nullptr);
-    queryCount_ = 0;
-    VkQueryPoolCreateInfo info{VK_STRUCTURE_TYPE_QUERY_POOL_CREATE_INFO};
-    info.queryType = VK_QUERY_TYPE_TIMESTAMP;
-    info.queryCount = count;
-    SKINBENCH_TRY(check(*device_, device_->vk.vkCreateQueryPool(device_->handle, &info, nullptr, &queries_),
-                        "create the timestamps"));
-    queryCount_ = count;
-    return {};
-}
-
-uint64_t VulkanBackend::queriesDone(uint32_t count) const {
-    struct Query {
-        uint64_t time, available;
-    };
-    std::vector<Query> all(count);
-    device_->vk.vkGetQueryPoolResults(device_->handle, queries_, 0, count, count * sizeof(Query), all.data(),
-                                      sizeof(Query), VK_QUERY_RESULT_64_BIT | VK_QUERY_RESULT_WITH_AVAILABILITY_BIT);
-    return static_cast<uint64_t>(std::ranges::count_if(all, [](const Query& q) { return q.available != 0; }));
-}
-
 Result<double> VulkanBackend::copySkinned(Plan& plan, std::span<const std::byte> skinned) {
     const Buffer& stream = bufferOf(plan, *plan.hostWritten, 0);
     const auto start = Clock::now();
@@ -128,63 +105,46 @@ Result<double> VulkanBackend::copySkinned(Plan& plan, std::span<const std::byte>
     return elapsedMs(start);
 }
 
-// measure(0) and measure(1) record what comes right before and right after the draws.
-template <class Measure>
-void VulkanBackend::recordPass(const FrameRecord& record, size_t number, const Measure& measure) const {
-    const Pass& pass = record.plan.shape.passes[number];
-    if (pass.kind != PassKind::dispatch && pass.clear) clearTarget(record);
-    bindPass(record, number);
-    fullBarrier(*device_, record.commands);
-    measure(0);
-    recordDraws(record, pass);
-    measure(1);
-    fullBarrier(*device_, record.commands);
-}
-
 void VulkanBackend::recordOverlapped(const FrameRecord& record, uint32_t query) const {
     const Pass* const first = firstDrawing(record.plan.shape);
     if (first && first->clear) clearTarget(record);
     fullBarrier(*device_, record.commands);
-    writeTimestamp(*device_, record.commands, queries_, query);
+    writeTimestamp(*device_, record.commands, times_.pool, query);
     recordPasses(record, 0, record.plan.shape.passes.size(), nullptr, first);
-    writeTimestamp(*device_, record.commands, queries_, query + 1);
+    writeTimestamp(*device_, record.commands, times_.pool, query + 1);
     fullBarrier(*device_, record.commands);
 }
 
 Result<void> VulkanBackend::runBatch(const Plan& plan, size_t first, std::span<Timing> timings, RunMode mode) {
-    const uint32_t passes = static_cast<uint32_t>(plan.shape.passes.size());
     const auto pairs = static_cast<uint32_t>(timesOfFrame(plan.shape, mode));
     const uint32_t count = static_cast<uint32_t>(timings.size()) * pairs * 2;
-    SKINBENCH_TRY(needQueries(count));
+    SKINBENCH_TRY(needTimestamps(*device_, times_, count));
     const auto start = Clock::now();
     auto commands = beginCommands(*device_);
     SKINBENCH_TRY(commands);
-    if (count) device_->vk.vkCmdResetQueryPool(*commands, queries_, 0, count);
+    if (count) device_->vk.vkCmdResetQueryPool(*commands, times_.pool, 0, count);
     fullBarrier(*device_, *commands);
     for (uint32_t i = 0; i < timings.size(); ++i) {
         const FrameRecord record{plan, frameData_, *commands, first + i};
         bindFrame(record);
         if (mode != RunMode::timed) recordOverlapped(record, i * 2);
-        for (uint32_t pass = 0; pass < passes && mode == RunMode::timed; ++pass)
-            recordPass(record, pass, [&](uint32_t end) {
-                writeTimestamp(*device_, *commands, queries_, (i * passes + pass) * 2 + end);
-            });
+        if (mode == RunMode::timed) recordTimed(record, times_.pool, i * pairs * 2);
     }
     SKINBENCH_TRY(endCommands(*device_));
     const double record = elapsedMs(start);
-    auto submit = submitAndWait(*device_, [&] { return count ? queriesDone(count) : 0; });
+    auto submit = submitAndWait(*device_, [&] { return timestampsDone(*device_, times_, count); });
     SKINBENCH_TRY(submit);
     for (Timing& timing : timings) {
         timing.record = record / static_cast<double>(timings.size());
         timing.submit = *submit / static_cast<double>(timings.size());
     }
-    return readTimings(pairs, timings);
+    return readTimings(*device_, times_, pairs, timings);
 }
 
 // RunMode::batch.
 Result<void> VulkanBackend::runTogether(const Plan& plan, std::span<Timing> timings) {
     const auto count = static_cast<uint32_t>(2 + timings.size());
-    SKINBENCH_TRY(needQueries(count));
+    SKINBENCH_TRY(needTimestamps(*device_, times_, count));
     HostTimes host;
     if (plan.shape.passesAhead) {
         if (!twoQueues_) {
@@ -192,25 +152,25 @@ Result<void> VulkanBackend::runTogether(const Plan& plan, std::span<Timing> timi
             SKINBENCH_TRY(opened);
             twoQueues_ = std::move(*opened);
         }
-        auto times = runOverTwoQueues(*twoQueues_, plan, frameData_, timings.size(), queries_);
+        auto times = runOverTwoQueues(*twoQueues_, plan, frameData_, timings.size(), times_.pool);
         SKINBENCH_TRY(times);
         host = *times;
     } else {
         const auto start = Clock::now();
         auto commands = beginCommands(*device_);
         SKINBENCH_TRY(commands);
-        device_->vk.vkCmdResetQueryPool(*commands, queries_, 0, count);
+        device_->vk.vkCmdResetQueryPool(*commands, times_.pool, 0, count);
         fullBarrier(*device_, *commands);
-        recordBatch(plan, frameData_, *commands, timings.size(), queries_);
+        recordBatch(plan, frameData_, *commands, timings.size(), times_.pool);
         SKINBENCH_TRY(endCommands(*device_));
         host.record = elapsedMs(start);
-        auto submit = submitAndWait(*device_, [&] { return queriesDone(count); });
+        auto submit = submitAndWait(*device_, [&] { return timestampsDone(*device_, times_, count); });
         SKINBENCH_TRY(submit);
         host.submit = *submit;
     }
     const auto frames = static_cast<double>(timings.size());
     Timing one;
-    SKINBENCH_TRY(readTimings(1, std::span(&one, 1)));
+    SKINBENCH_TRY(readTimings(*device_, times_, 1, std::span(&one, 1)));
     for (double& milliseconds : one.passes) milliseconds /= frames;
     one.record = host.record / frames;
     one.submit = host.submit / frames;
@@ -243,26 +203,6 @@ Result<void> VulkanBackend::countBatch(const Plan& plan, size_t first, std::span
     return {};
 }
 
-Result<void> VulkanBackend::readTimings(uint32_t pairs, std::span<Timing> timings) {
-    const size_t count = timings.size() * pairs * 2;
-    if (count == 0) return {};
-    std::vector<uint64_t> times(count);
-    SKINBENCH_TRY(check(*device_,
-                        device_->vk.vkGetQueryPoolResults(device_->handle, queries_, 0, static_cast<uint32_t>(count),
-                                                          count * sizeof(uint64_t), times.data(), sizeof(uint64_t),
-                                                          VK_QUERY_RESULT_64_BIT | VK_QUERY_RESULT_WAIT_BIT),
-                        "read the timestamps"));
-    const uint32_t bits = device_->caps.timestampBits;
-    const uint64_t mask = bits >= 64 ? UINT64_MAX : (uint64_t{1} << bits) - 1;
-    for (size_t i = 0; i < timings.size(); ++i)
-        for (size_t pair = 0; pair < pairs; ++pair) {
-            const uint64_t* ends = &times[(i * pairs + pair) * 2];
-            const uint64_t ticks = (ends[1] - ends[0]) & mask;
-            timings[i].passes.push_back(static_cast<double>(ticks) * device_->caps.timestampPeriodNs * 1e-6);
-        }
-    return {};
-}
-
 Result<std::vector<Timing>> VulkanBackend::run(PlanId id, std::span<const FrameInput> frames, RunMode mode) {
     auto found = findPlan(id);
     SKINBENCH_TRY(found);
@@ -270,6 +210,7 @@ Result<std::vector<Timing>> VulkanBackend::run(PlanId id, std::span<const FrameI
     SKINBENCH_TRY(checkFrames(plan.shape, frames));
     std::vector<Timing> timings(frames.size());
     if (frames.empty() || (mode == RunMode::counted && !caps().pipelineStatistics)) return timings;
+    if (InFlight* begun = framesOf(id)) SKINBENCH_TRY(waitForFrames(*begun));
     SKINBENCH_TRY(uploadFrames(*device_, frameData_, plan, frames));
     if (plan.target) plan.target->lastPlan = id;
     plan.lastTurn = (frames.size() - 1) % plan.turns.size();
@@ -291,6 +232,39 @@ Result<std::vector<Timing>> VulkanBackend::run(PlanId id, std::span<const FrameI
         timings[i].upload = *milliseconds;
     }
     return timings;
+}
+
+InFlight* VulkanBackend::framesOf(PlanId id) const {
+    const auto frames = inFlight_.find(id);
+    return frames == inFlight_.end() ? nullptr : frames->second.get();
+}
+
+Result<void> VulkanBackend::begin(PlanId id, const FrameInput& frame) {
+    auto plan = findPlan(id);
+    SKINBENCH_TRY(plan);
+    InFlight* frames = framesOf(id);
+    SKINBENCH_TRY(checkBegin((*plan)->shape, frame, frames ? frames->slots.begun : 0));
+    if (!frames) {
+        auto opened = openInFlight(*device_, **plan);
+        SKINBENCH_TRY(opened);
+        frames = inFlight_.emplace(id, std::move(*opened)).first->second.get();
+    }
+    SKINBENCH_TRY(beginFrame(*frames, **plan, frame));
+    (*plan)->target->lastPlan = id;
+    return {};
+}
+
+Result<FinishedFrame> VulkanBackend::finish(PlanId id) {
+    auto plan = findPlan(id);
+    SKINBENCH_TRY(plan);
+    InFlight* frames = framesOf(id);
+    SKINBENCH_TRY(checkFinish((*plan)->shape, frames ? frames->slots.begun : 0));
+    return finishFrame(*frames);
+}
+
+void VulkanBackend::release(PlanId id) {
+    inFlight_.erase(id);
+    plans_.erase(id);
 }
 
 Result<Image> VulkanBackend::readImage(PlanId id) {

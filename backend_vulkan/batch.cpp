@@ -183,7 +183,7 @@ Result<HostTimes> runOverTwoQueues(TwoQueues& queues, const Plan& plan, const Fr
     start = std::chrono::steady_clock::now();
     SKINBENCH_TRY(submitFrames(queues, frames));
     times.submit = elapsedMs(start);
-    SKINBENCH_TRY(waitForFence(device, [&] {
+    SKINBENCH_TRY(waitForFence(device, device.fence, [&] {
         uint64_t done = 0;
         device.vk.vkGetSemaphoreCounterValue(device.handle, queues.drawn, &done);
         return done;

@@ -207,25 +207,31 @@ Result<void> endCommands(Device& device) {
 }
 
 Result<double> submitAndWait(Device& device, const std::function<uint64_t()>& progress) {
-    SKINBENCH_TRY(check(device, device.vk.vkResetFences(device.handle, 1, &device.fence), "reset a fence"));
-    VkCommandBufferSubmitInfo commands{VK_STRUCTURE_TYPE_COMMAND_BUFFER_SUBMIT_INFO};
-    commands.commandBuffer = device.commands;
-    VkSubmitInfo2 info{VK_STRUCTURE_TYPE_SUBMIT_INFO_2};
-    info.commandBufferInfoCount = 1;
-    info.pCommandBufferInfos = &commands;
-    const auto start = std::chrono::steady_clock::now();
-    VkResult result = device.vk.vkQueueSubmit2(device.queue, 1, &info, device.fence);
-    const double milliseconds = elapsedMs(start);
-    SKINBENCH_TRY(check(device, result, "submit the commands"));
-    SKINBENCH_TRY(waitForFence(device, progress));
+    const auto milliseconds = submit(device, device.commands, device.fence);
+    SKINBENCH_TRY(milliseconds);
+    SKINBENCH_TRY(waitForFence(device, device.fence, progress));
     return milliseconds;
 }
 
-Result<void> waitForFence(Device& device, const std::function<uint64_t()>& progress) {
+Result<double> submit(Device& device, VkCommandBuffer commands, VkFence fence) {
+    SKINBENCH_TRY(check(device, device.vk.vkResetFences(device.handle, 1, &fence), "reset a fence"));
+    VkCommandBufferSubmitInfo buffer{VK_STRUCTURE_TYPE_COMMAND_BUFFER_SUBMIT_INFO};
+    buffer.commandBuffer = commands;
+    VkSubmitInfo2 info{VK_STRUCTURE_TYPE_SUBMIT_INFO_2};
+    info.commandBufferInfoCount = 1;
+    info.pCommandBufferInfos = &buffer;
+    const auto start = std::chrono::steady_clock::now();
+    const VkResult result = device.vk.vkQueueSubmit2(device.queue, 1, &info, fence);
+    const double milliseconds = elapsedMs(start);
+    SKINBENCH_TRY(check(device, result, "submit the commands"));
+    return milliseconds;
+}
+
+Result<void> waitForFence(Device& device, VkFence fence, const std::function<uint64_t()>& progress) {
     uint64_t done = 0;
     VkResult result = VK_SUCCESS;
     for (;;) {
-        result = device.vk.vkWaitForFences(device.handle, 1, &device.fence, VK_TRUE, kWatchdogSeconds * 1'000'000'000);
+        result = device.vk.vkWaitForFences(device.handle, 1, &fence, VK_TRUE, kWatchdogSeconds * 1'000'000'000);
         if (result != VK_TIMEOUT) break;
         const uint64_t now = progress ? progress() : 0;
         if (now <= done) {

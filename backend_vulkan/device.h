@@ -38,8 +38,9 @@ struct Device {
     Buffer staging;   // host to device, kChunkBytes
     Buffer readback;  // device to host, kChunkBytes
 
-    std::optional<Error> lost;  // set once; every later call answers it
-    bool hung = false;          // work may still be in flight, so nothing can be freed any more
+    std::optional<Error> lost;       // set once; every later call answers it
+    uint64_t frameDataVersions = 0;  // that there were
+    bool hung = false;               // work may still be in flight, so nothing can be freed any more
 
     Device() = default;
     Device(const Device&) = delete;
@@ -62,8 +63,9 @@ Result<void> endCommands(Device& device);
 inline constexpr uint64_t kWatchdogSeconds = 120;
 Result<double> submitAndWait(Device& device, const std::function<uint64_t()>& progress = {});
 
-// The second half of it: waits for what was submitted with the device's fence.
-Result<void> waitForFence(Device& device, const std::function<uint64_t()>& progress);
+// Its two halves, for any command buffer that has ended and a fence of its own.
+Result<double> submit(Device& device, VkCommandBuffer commands, VkFence fence);
+Result<void> waitForFence(Device& device, VkFence fence, const std::function<uint64_t()>& progress);
 
 // Everything that the device did before it happens before everything that the device does after it.
 void fullBarrier(const Device& device, VkCommandBuffer commands);

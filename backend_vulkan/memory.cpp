@@ -56,8 +56,7 @@ Result<void> needBuffer(Device& device, Buffer& buffer, Memory memory, VkBufferU
                         [&] { return device.caps.name + ": the copy between host and device"; });
 }
 
-// Ends the recording with what makes the copied bytes readable by the host, and runs it.
-Result<void> finishDownload(Device& device) {
+void hostBarrier(const Device& device, VkCommandBuffer commands) {
     VkMemoryBarrier2 barrier{VK_STRUCTURE_TYPE_MEMORY_BARRIER_2};
     barrier.srcStageMask = VK_PIPELINE_STAGE_2_COPY_BIT;
     barrier.srcAccessMask = VK_ACCESS_2_TRANSFER_WRITE_BIT;
@@ -66,15 +65,17 @@ Result<void> finishDownload(Device& device) {
     VkDependencyInfo info{VK_STRUCTURE_TYPE_DEPENDENCY_INFO};
     info.memoryBarrierCount = 1;
     info.pMemoryBarriers = &barrier;
-    device.vk.vkCmdPipelineBarrier2(device.commands, &info);
-    SKINBENCH_TRY(endCommands(device));
-    SKINBENCH_TRY(submitAndWait(device));
-    return check(device, vmaInvalidateAllocation(device.allocator, device.readback.allocation, 0, VK_WHOLE_SIZE),
-                 "read memory back");
+    device.vk.vkCmdPipelineBarrier2(commands, &info);
 }
 
-void imageBarrier(const Device& device, VkImage image, VkImageAspectFlags aspect, VkImageLayout from,
-                  VkImageLayout to) {
+Result<void> finishDownload(Device& device) {
+    SKINBENCH_TRY(endCommands(device));
+    SKINBENCH_TRY(submitAndWait(device));
+    return invalidate(device, device.readback);
+}
+
+void imageBarrier(const Device& device, VkCommandBuffer commands, VkImage image, VkImageAspectFlags aspect,
+                  VkImageLayout from, VkImageLayout to) {
     VkImageMemoryBarrier2 barrier{VK_STRUCTURE_TYPE_IMAGE_MEMORY_BARRIER_2};
     barrier.srcStageMask = VK_PIPELINE_STAGE_2_ALL_COMMANDS_BIT;
     barrier.srcAccessMask = VK_ACCESS_2_MEMORY_READ_BIT | VK_ACCESS_2_MEMORY_WRITE_BIT;
@@ -89,7 +90,7 @@ void imageBarrier(const Device& device, VkImage image, VkImageAspectFlags aspect
     VkDependencyInfo info{VK_STRUCTURE_TYPE_DEPENDENCY_INFO};
     info.imageMemoryBarrierCount = 1;
     info.pImageMemoryBarriers = &barrier;
-    device.vk.vkCmdPipelineBarrier2(device.commands, &info);
+    device.vk.vkCmdPipelineBarrier2(commands, &info);
 }
 
 Result<void> createAttachment(Target& target, VkFormat format, VkImageUsageFlags usage, VkImageAspectFlags aspect,
@@ -197,6 +198,7 @@ Result<std::vector<std::byte>> download(Device& device, const Buffer& source, ui
         SKINBENCH_TRY(commands);
         const VkBufferCopy region{from, 0, part};
         device.vk.vkCmdCopyBuffer(*commands, source.handle, device.readback.handle, 1, &region);
+        hostBarrier(device, *commands);
         SKINBENCH_TRY(finishDownload(device));
         std::memcpy(result.data() + from, device.readback.mapped, part);
     }
@@ -205,6 +207,11 @@ Result<std::vector<std::byte>> download(Device& device, const Buffer& source, ui
 
 Result<void> flush(Device& device, const Buffer& buffer) {
     return check(device, vmaFlushAllocation(device.allocator, buffer.allocation, 0, VK_WHOLE_SIZE), "write memory");
+}
+
+Result<void> invalidate(Device& device, const Buffer& buffer) {
+    return check(device, vmaInvalidateAllocation(device.allocator, buffer.allocation, 0, VK_WHOLE_SIZE),
+                 "read memory back");
 }
 
 Target::~Target() {
@@ -225,15 +232,31 @@ Result<std::shared_ptr<Target>> createTarget(Device& device, VkExtent2D size) {
                                    VK_IMAGE_ASPECT_DEPTH_BIT, target->depth, target->depthMemory, target->depthView));
     auto commands = beginCommands(device);
     SKINBENCH_TRY(commands);
-    imageBarrier(device, target->color, VK_IMAGE_ASPECT_COLOR_BIT, VK_IMAGE_LAYOUT_UNDEFINED,
+    imageBarrier(device, *commands, target->color, VK_IMAGE_ASPECT_COLOR_BIT, VK_IMAGE_LAYOUT_UNDEFINED,
                  VK_IMAGE_LAYOUT_COLOR_ATTACHMENT_OPTIMAL);
-    imageBarrier(device, target->depth, VK_IMAGE_ASPECT_DEPTH_BIT, VK_IMAGE_LAYOUT_UNDEFINED,
+    imageBarrier(device, *commands, target->depth, VK_IMAGE_ASPECT_DEPTH_BIT, VK_IMAGE_LAYOUT_UNDEFINED,
                  VK_IMAGE_LAYOUT_DEPTH_ATTACHMENT_OPTIMAL);
     beginRendering(*commands, *target, VK_ATTACHMENT_LOAD_OP_CLEAR, FramePlan{}.background);
     device.vk.vkCmdEndRendering(*commands);
     SKINBENCH_TRY(endCommands(device));
     SKINBENCH_TRY(submitAndWait(device));
     return target;
+}
+
+void recordImageCopy(VkCommandBuffer commands, const Target& target, uint32_t firstRow, uint32_t rows,
+                     const Buffer& to) {
+    const Device& device = target.device;
+    imageBarrier(device, commands, target.color, VK_IMAGE_ASPECT_COLOR_BIT, VK_IMAGE_LAYOUT_COLOR_ATTACHMENT_OPTIMAL,
+                 VK_IMAGE_LAYOUT_TRANSFER_SRC_OPTIMAL);
+    VkBufferImageCopy region{};
+    region.imageSubresource = {VK_IMAGE_ASPECT_COLOR_BIT, 0, 0, 1};
+    region.imageOffset = {0, static_cast<int32_t>(firstRow), 0};
+    region.imageExtent = {target.size.width, rows, 1};
+    device.vk.vkCmdCopyImageToBuffer(commands, target.color, VK_IMAGE_LAYOUT_TRANSFER_SRC_OPTIMAL, to.handle, 1,
+                                     &region);
+    imageBarrier(device, commands, target.color, VK_IMAGE_ASPECT_COLOR_BIT, VK_IMAGE_LAYOUT_TRANSFER_SRC_OPTIMAL,
+                 VK_IMAGE_LAYOUT_COLOR_ATTACHMENT_OPTIMAL);
+    hostBarrier(device, commands);
 }
 
 Result<Image> downloadImage(Device& device, const Target& target) {
@@ -246,16 +269,7 @@ Result<Image> downloadImage(Device& device, const Target& target) {
         const uint32_t rows = std::min(rowsAtOnce, height - row);
         auto commands = beginCommands(device);
         SKINBENCH_TRY(commands);
-        imageBarrier(device, target.color, VK_IMAGE_ASPECT_COLOR_BIT, VK_IMAGE_LAYOUT_COLOR_ATTACHMENT_OPTIMAL,
-                     VK_IMAGE_LAYOUT_TRANSFER_SRC_OPTIMAL);
-        VkBufferImageCopy region{};
-        region.imageSubresource = {VK_IMAGE_ASPECT_COLOR_BIT, 0, 0, 1};
-        region.imageOffset = {0, static_cast<int32_t>(row), 0};
-        region.imageExtent = {width, rows, 1};
-        device.vk.vkCmdCopyImageToBuffer(*commands, target.color, VK_IMAGE_LAYOUT_TRANSFER_SRC_OPTIMAL,
-                                         device.readback.handle, 1, &region);
-        imageBarrier(device, target.color, VK_IMAGE_ASPECT_COLOR_BIT, VK_IMAGE_LAYOUT_TRANSFER_SRC_OPTIMAL,
-                     VK_IMAGE_LAYOUT_COLOR_ATTACHMENT_OPTIMAL);
+        recordImageCopy(*commands, target, row, rows, device.readback);
         SKINBENCH_TRY(finishDownload(device));
         std::memcpy(image.rgba.data() + size_t{row} * rowBytes, device.readback.mapped, size_t{rows} * rowBytes);
     }

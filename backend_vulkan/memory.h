@@ -58,6 +58,13 @@ inline constexpr VkFormat kDepthFormat = VK_FORMAT_D32_SFLOAT;
 Result<std::shared_ptr<Target>> createTarget(Device& device, VkExtent2D size);
 Result<Image> downloadImage(Device& device, const Target& target);
 
+// The colour of whole rows, to the start of a buffer that the host reads once the commands are done.
+void recordImageCopy(VkCommandBuffer commands, const Target& target, uint32_t firstRow, uint32_t rows,
+                     const Buffer& to);
+
+// Makes what the device wrote into mapped memory visible to the host.
+Result<void> invalidate(Device& device, const Buffer& buffer);
+
 // A rendering scope over the whole target, which keeps the content or clears it to the background first.
 void beginRendering(VkCommandBuffer commands, const Target& target, VkAttachmentLoadOp load,
                     const std::array<float, 4>& background);

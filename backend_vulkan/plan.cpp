@@ -189,12 +189,12 @@ static Result<void> growFrameData(Device& device, FrameData& data, const Plan& p
                         plan.shape.label, bytes, device.caps.name, limit));
     destroy(device, data.buffer);
     data.shared = shared;
-    ++data.version;
+    data.version = ++device.frameDataVersions;
     const VkBufferUsageFlags usage =
         VK_BUFFER_USAGE_STORAGE_BUFFER_BIT | VK_BUFFER_USAGE_UNIFORM_BUFFER_BIT | VK_BUFFER_USAGE_TRANSFER_DST_BIT;
     if (tryCreateBuffer(device, bytes, usage, Memory::deviceMapped, data.buffer, shared) == VK_SUCCESS) return {};
     return createBuffer(
-        device, bytes, usage, Memory::device, data.buffer,
+        device, bytes, usage, data.otherwise, data.buffer,
         [&] { return plan.shape.label + ": the palettes of the batch"; }, shared);
 }
 
@@ -208,30 +208,32 @@ static void pointDescriptors(const FrameData& data, Plan& plan) {
     plan.frameDataVersion = data.version;
 }
 
-Result<void> uploadFrames(Device& device, FrameData& data, Plan& plan, std::span<const FrameInput> frames) {
+Result<uint64_t> needFrames(Device& device, FrameData& data, Plan& plan, size_t frames) {
     const VkPhysicalDeviceLimits& limits = device.adapter.properties.limits;
     data.constantsStride = alignUp(sizeof(FrameConstants), limits.minUniformBufferOffsetAlignment);
     const uint64_t alignment =
         std::max({limits.minStorageBufferOffsetAlignment, limits.minUniformBufferOffsetAlignment, kPaletteAlignment});
     data.paletteStride = alignUp(std::max(paletteRange(plan), plan.shape.paletteBytes), alignment);
-    data.paletteStart = alignUp(data.constantsStride * frames.size(), alignment);
-    const uint64_t bytes = data.paletteStart + data.paletteStride * frames.size();
+    data.paletteStart = alignUp(data.constantsStride * frames, alignment);
+    const uint64_t bytes = data.paletteStart + data.paletteStride * frames;
     SKINBENCH_TRY(growFrameData(device, data, plan, bytes));
     pointDescriptors(data, plan);
+    return bytes;
+}
 
-    auto write = [&](std::byte* out) {
-        for (size_t i = 0; i < frames.size(); ++i) {
-            std::memcpy(out + data.constantsStride * i, &frames[i].constants, sizeof(FrameConstants));
-            std::ranges::copy(frames[i].palette, out + data.paletteStart + data.paletteStride * i);
-        }
-    };
-    if (data.buffer.mapped) {
-        write(data.buffer.mapped);
-        return flush(device, data.buffer);
-    }
-    std::vector<std::byte> all(bytes);
-    write(all.data());
-    return upload(device, data.buffer, bytes, [&](std::span<std::byte> chunk, uint64_t from) {
+void writeFrame(const FrameData& data, size_t number, const FrameInput& frame, std::byte* out) {
+    std::memcpy(out + data.constantsStride * number, &frame.constants, sizeof(FrameConstants));
+    std::ranges::copy(frame.palette, out + data.paletteStart + data.paletteStride * number);
+}
+
+Result<void> uploadFrames(Device& device, FrameData& data, Plan& plan, std::span<const FrameInput> frames) {
+    const auto bytes = needFrames(device, data, plan, frames.size());
+    SKINBENCH_TRY(bytes);
+    std::vector<std::byte> all(data.buffer.mapped ? 0 : *bytes);
+    for (size_t i = 0; i < frames.size(); ++i)
+        writeFrame(data, i, frames[i], data.buffer.mapped ? data.buffer.mapped : all.data());
+    if (data.buffer.mapped) return flush(device, data.buffer);
+    return upload(device, data.buffer, *bytes, [&](std::span<std::byte> chunk, uint64_t from) {
         std::memcpy(chunk.data(), all.data() + from, chunk.size());
     });
 }

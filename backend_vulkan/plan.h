@@ -42,8 +42,9 @@ const Buffer& bufferOf(const Plan& plan, size_t number, size_t turn);
 // Constants and palettes of all frames of a batch, shared by all plans: constants first, then palettes.
 struct FrameData {
     Buffer buffer;
-    bool shared = false;   // by both queues
-    uint64_t version = 0;  // counts the buffers that there were
+    Memory otherwise = Memory::device;  // where the host cannot write into the device's memory
+    bool shared = false;                // by both queues
+    uint64_t version = 0;               // no two buffers of a device have the same
     uint64_t constantsStride = 0;
     uint64_t paletteStart = 0;
     uint64_t paletteStride = 0;
@@ -55,6 +56,13 @@ uint64_t paletteRange(const Plan& plan);
 // `target` is what the passes draw into; null where no pass draws.
 Result<std::unique_ptr<Plan>> makePlanObjects(Device& device, VkPipelineCache cache, const FramePlan& source,
                                               std::shared_ptr<Target> target);
+
+// Room for so many frames, in a larger buffer where the present one is too small, with the plan's descriptors pointed
+// at it; gives the bytes in use. Nothing that reads either is in flight.
+Result<uint64_t> needFrames(Device& device, FrameData& data, Plan& plan, size_t frames);
+
+// Constants and palette of frame `number`, into memory that begins at `out`.
+void writeFrame(const FrameData& data, size_t number, const FrameInput& frame, std::byte* out);
 
 // Writes constants and palettes of all frames, in a larger buffer where the present one is too small, and points the
 // plan's descriptors at it.

@@ -92,6 +92,25 @@ const Pass* recordPasses(const FrameRecord& record, size_t from, size_t to, cons
     return before;
 }
 
+void recordPass(const FrameRecord& record, size_t number, const std::function<void(uint32_t end)>& measure) {
+    const Device& device = record.plan.device;
+    const Pass& pass = record.plan.shape.passes[number];
+    if (pass.kind != PassKind::dispatch && pass.clear) clearTarget(record);
+    bindPass(record, number);
+    fullBarrier(device, record.commands);
+    measure(0);
+    recordDraws(record, pass);
+    measure(1);
+    fullBarrier(device, record.commands);
+}
+
+void recordTimed(const FrameRecord& record, VkQueryPool pool, uint32_t first) {
+    for (uint32_t pass = 0; pass < record.plan.shape.passes.size(); ++pass)
+        recordPass(record, pass, [&](uint32_t end) {
+            writeTimestamp(record.plan.device, record.commands, pool, first + pass * 2 + end);
+        });
+}
+
 void writeTimestamp(const Device& device, VkCommandBuffer commands, VkQueryPool pool, uint32_t query) {
     if (device.caps.software) fullBarrier(device, commands);
     device.vk.vkCmdWriteTimestamp2(commands, VK_PIPELINE_STAGE_2_ALL_COMMANDS_BIT, pool, query);

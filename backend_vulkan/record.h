@@ -31,6 +31,13 @@ void recordDraws(const FrameRecord& record, const Pass& pass, VkAttachmentLoadOp
 const Pass* recordPasses(const FrameRecord& record, size_t from, size_t to, const Pass* before,
                          const Pass* cleared = nullptr);
 
+// One pass as RunMode::timed has it; measure(0) and measure(1) record what comes right before and right after its
+// draws.
+void recordPass(const FrameRecord& record, size_t number, const std::function<void(uint32_t end)>& measure);
+
+// All of them, with two timestamps each from query `first` on.
+void recordTimed(const FrameRecord& record, VkQueryPool pool, uint32_t first);
+
 // Mesa's software driver puts a timestamp into the queue of tiles that a barrier empties, and runs the geometry stages
 // before that queue. So the queue is empty on both sides; a GPU gets no barrier here.
 void writeTimestamp(const Device& device, VkCommandBuffer commands, VkQueryPool pool, uint32_t query);

@@ -284,6 +284,15 @@ struct Image {
     std::vector<uint8_t> rgba;  // row 0 is the top row
 };
 
+// A frame that was drawn while the host went on.
+struct FinishedFrame {
+    Timing timing;  // as of RunMode::timed
+    Image image;
+};
+
+// Frames of one plan that may have begun and not finished.
+inline constexpr size_t kFramesInFlight = 2;
+
 struct BackendOptions {
     std::optional<size_t> device{};  // number in the API's own list; empty: the first hardware device, else the first
     bool validation = false;         // Vulkan validation layers with synchronisation checks, OpenGL debug output
@@ -307,6 +316,15 @@ public:
     // lost device is an error of this and every later call.
     virtual Result<std::vector<Timing>> run(PlanId plan, std::span<const FrameInput> frames,
                                             RunMode mode = RunMode::timed) = 0;
+
+    // run() of one frame in RunMode::timed and readImage(), cut in two so that the host can go on in between: begin()
+    // hands the device the frame and the copy of its image, and waits for neither; finish() waits for the frame of this
+    // plan that began first. Up to kFramesInFlight frames of each plan are on the way, each with its own input and
+    // image, whatever else is drawn. All other calls come after what has begun, and release() drops it. begin() fails
+    // where checkBegin does and where memory is short, and then nothing has begun; finish() fails where nothing has
+    // begun, and as run() does where the device is lost or hangs.
+    virtual Result<void> begin(PlanId plan, const FrameInput& frame) = 0;
+    virtual Result<FinishedFrame> finish(PlanId plan) = 0;
 
     // The colour target and a whole stream as the last run() of this plan left them; of a stream in turn the buffer
     // of the last frame. Plans of one size share their targets: the image is an error before a run, and once another of

@@ -30,12 +30,30 @@ public:
         return std::vector<Timing>(frames.size(), timing);
     }
 
+    Result<void> begin(PlanId id, const FrameInput& frame) override {
+        auto plan = plans_.find(id);
+        if (plan == plans_.end()) return unknownPlan(id);
+        SKINBENCH_TRY(checkBegin(plan->second, frame, begun_[id]));
+        ++begun_[id];
+        lastOfSize_[sizeOf(plan->second)] = id;
+        return {};
+    }
+
+    Result<FinishedFrame> finish(PlanId id) override {
+        auto plan = plans_.find(id);
+        if (plan == plans_.end()) return unknownPlan(id);
+        SKINBENCH_TRY(checkFinish(plan->second, begun_[id]));
+        --begun_[id];
+        FinishedFrame finished{{}, emptyImage(plan->second)};
+        finished.timing.passes.resize(plan->second.passes.size());
+        return finished;
+    }
+
     Result<Image> readImage(PlanId id) override {
         auto plan = plans_.find(id);
         if (plan == plans_.end()) return unknownPlan(id);
-        const auto [width, height] = sizeOf(plan->second);
-        SKINBENCH_TRY(checkImage(plan->second, id, lastOfSize_[{width, height}]));
-        return Image{width, height, std::vector<uint8_t>(size_t{width} * height * 4)};
+        SKINBENCH_TRY(checkImage(plan->second, id, lastOfSize_[sizeOf(plan->second)]));
+        return emptyImage(plan->second);
     }
 
     Result<std::vector<std::byte>> readStream(PlanId id, uint32_t slot) override {
@@ -56,10 +74,14 @@ public:
 private:
     using Size = std::pair<uint32_t, uint32_t>;
     static Size sizeOf(const FramePlan& plan) { return {plan.width, plan.height}; }
+    static Image emptyImage(const FramePlan& plan) {
+        return {plan.width, plan.height, std::vector<uint8_t>(size_t{plan.width} * plan.height * 4)};
+    }
 
     DeviceCaps caps_;
     std::map<PlanId, FramePlan> plans_;
     std::map<Size, PlanId> lastOfSize_;
+    std::map<PlanId, size_t> begun_;
     PlanId next_ = 1;
 };
 

@@ -213,6 +213,19 @@ Result<void> checkFrames(const FramePlan& plan, std::span<const FrameInput> fram
     return {};
 }
 
+Result<void> checkBegin(const FramePlan& plan, const FrameInput& frame, size_t begun) {
+    if (!drawsImage(plan)) return refuse(plan, "draws no image");
+    if (hostWrittenStream(plan)) return refuse(plan, "the host writes its vertices; run its frames one by one");
+    if (begun == kFramesInFlight)
+        return refuse(plan, std::format("{} frames have begun; finish one of them first", begun));
+    return checkFrames(plan, {&frame, 1});
+}
+
+Result<void> checkFinish(const FramePlan& plan, size_t begun) {
+    if (begun == 0) return refuse(plan, "no frame has begun");
+    return {};
+}
+
 Result<size_t> streamOfSlot(const FramePlan& plan, uint32_t slot) {
     auto stream = std::ranges::find(plan.streams, slot, &Stream::slot);
     if (stream == plan.streams.end()) return refuse(plan, std::format("no stream at slot {}", slot));

@@ -2,6 +2,8 @@
 // label where it has one.
 #pragma once
 
+#include <utility>
+
 #include "common/frame/backend.h"
 
 namespace skinbench {
@@ -26,6 +28,23 @@ bool runsTogether(const FramePlan& plan, RunMode mode);
 
 // Whether palettes and skinned bytes of every frame have the plan's sizes.
 Result<void> checkFrames(const FramePlan& plan, std::span<const FrameInput> frames);
+
+// Which of a plan's frames are on the way: slots of them, taken in turn.
+struct FrameSlots {
+    size_t begun = 0;   // frames that are on the way
+    size_t oldest = 0;  // the slot of the one that began first
+    size_t next() const { return (oldest + begun) % kFramesInFlight; }
+    void begin() { ++begun; }
+    size_t finish() {
+        --begun;
+        return std::exchange(oldest, (oldest + 1) % kFramesInFlight);
+    }
+};
+
+// Whether a frame of the plan may begin, and one be finished, while so many are on the way. The plan draws an image,
+// the host does not write its vertices, and the frame is one that checkFrames lets pass.
+Result<void> checkBegin(const FramePlan& plan, const FrameInput& frame, size_t begun);
+Result<void> checkFinish(const FramePlan& plan, size_t begun);
 
 // Into FramePlan::streams.
 Result<size_t> streamOfSlot(const FramePlan& plan, uint32_t slot);

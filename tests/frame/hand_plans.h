@@ -51,6 +51,9 @@ T must(Result<T> result) {
     if (!result) FAIL(result.error().text);
     return std::move(*result);
 }
+inline void must(const Result<void>& result) {
+    if (!result) FAIL(result.error().text);
+}
 
 inline FrameInput stillFrame() {
     FrameInput frame;

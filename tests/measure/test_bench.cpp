@@ -39,6 +39,8 @@ struct FakeBackend final : Backend {
     Result<Image> readImage(PlanId) override {
         return Image{plan.width, plan.height, std::vector<uint8_t>(size_t{plan.width} * plan.height * 4, 0)};
     }
+    Result<void> begin(PlanId, const FrameInput&) override { return inputError("nothing begins"); }
+    Result<FinishedFrame> finish(PlanId) override { return inputError("nothing has begun"); }
     // The first and the last of the two copies.
     Result<std::vector<std::byte>> readStream(PlanId, uint32_t) override { return skinned; }
     void release(PlanId) override { --held; }

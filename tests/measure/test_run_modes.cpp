@@ -91,6 +91,8 @@ struct CountingBackend final : Backend {
     Result<std::vector<Timing>> run(PlanId id, std::span<const FrameInput> frames, RunMode mode) override {
         return inner.run(id, frames, mode);
     }
+    Result<void> begin(PlanId, const FrameInput&) override { return inputError("nothing begins"); }
+    Result<FinishedFrame> finish(PlanId) override { return inputError("nothing has begun"); }
     Result<Image> readImage(PlanId id) override { return inner.readImage(id); }
     Result<std::vector<std::byte>> readStream(PlanId id, uint32_t slot) override { return inner.readStream(id, slot); }
     void release(PlanId id) override {
