@@ -58,42 +58,29 @@ void chooseNext(ViewState& state, size_t pane, const CapsByApi& devices, std::st
 }
 
 void chooseCases(ViewState& state, const CapsByApi& devices) {
-    auto first = [&](auto&& suits) -> const RouteWish* {
-        for (const RouteWish& wish : routeWishes()) {
-            Case c;
-            c.route = findRoute(wish.route);
-            c.variant = findVariant(wish.variant);
-            c.codec = findCodec("uc");
-            if (suits(wish, *c.route) && !reasonAgainst(completed(c), devices)) return &wish;
-        }
-        return nullptr;
-    };
-    auto caseOf = [](const RouteWish& wish) {
+    const auto caseOf = [](const RouteWish& wish) {
         Case c;
         c.route = findRoute(wish.route);
         c.variant = findVariant(wish.variant);
         c.codec = findCodec("uc");
         return completed(c);
     };
-    if (!state.cases[0].route) {
-        const RouteWish* best = first([](const RouteWish&, const Route&) { return true; });
-        state.cases[0] = caseOf(best ? *best : routeWishes().front());
-    }
-    if (state.cases[1].route) return;
-    const Case& a = state.cases[0];
-    const RouteWish* other = first([&](const RouteWish& wish, const Route& route) {
-        return route.api != a.route->api && std::string_view(wish.variant) == a.variant->name;
-    });
-    if (!other) other = first([&](const RouteWish&, const Route& route) { return route.api != a.route->api; });
-    if (!other) {
-        state.cases[1] = a;
-        return;
-    }
+    const auto first = [&](const auto& suits) -> std::optional<Case> {
+        for (const RouteWish& wish : routeWishes())
+            if (const Case c = caseOf(wish); suits(c) && !reasonAgainst(c, devices)) return c;
+        return std::nullopt;
+    };
+    auto& [a, b] = state.cases;
+    if (!a.route) a = first([](const Case&) { return true; }).value_or(caseOf(routeWishes().front()));
+    if (b.route) return;
+    auto other = first([&](const Case& c) { return c.route->api != a.route->api && c.variant == a.variant; });
+    if (!other) other = first([&](const Case& c) { return c.route->api != a.route->api; });
+    b = a;
+    if (!other) return;
     // All of A's options that the other route has.
-    Case b = a;
-    b.route = findRoute(other->route);
+    b.route = other->route;
     b = completed(b);
-    state.cases[1] = reasonAgainst(b, devices) ? caseOf(*other) : b;
+    if (reasonAgainst(b, devices)) b = *other;
 }
 
 std::string benchCommand(const ViewState& state) {

@@ -169,7 +169,7 @@ void drawLegend(const std::vector<LegendRow>& legend) {
 
 void drawMeasured(Viewer& view) {
     ImGui::TextWrapped("What you see here are not bench figures: other work runs beside it.");
-    ImGui::TextWrapped("%s", std::format("frame {}, {:.1f} a second", view.shown->number, view.rate).c_str());
+    ImGui::TextWrapped("%s", std::format("frame {}, {:.1f} a second", view.shown->number, 1 / view.period).c_str());
     for (size_t pane = 0; pane < 2; ++pane) {
         const Drawn& picture = view.shown->pictures[pane];
         const History& history = view.history[pane];

@@ -19,6 +19,13 @@ struct Lane {
     std::optional<MeshletStats> meshlets;
 };
 
+// A request whose pictures are on the way.
+struct Begun {
+    Request request;
+    Shown shown;  // all but what the devices still work on
+    std::array<bool, 2> inFlight{};
+};
+
 // Everything that the thread has.
 struct Work {
     RendererOptions options;
@@ -102,10 +109,24 @@ void settle(Work& work, const Request& request) {
     settings.yaw = state.copies == 1 ? kUsualYaw : 0;
 }
 
-Result<void> prepareLane(Work& work, Lane& lane, const Case& c, const glm::vec3& background) {
-    const WorkloadSettings& settings = work.workload->settings;
-    const std::string key = std::format("{} {} {} {} {} {} {} {}", caseId(c), settings.clip, settings.copies,
-                                        settings.width, settings.height, background.x, background.y, background.z);
+// What a lane is prepared for.
+std::string keyOf(const Request& request, const Case& c) {
+    const ViewState& state = request.state;
+    const glm::vec3& background = state.background;
+    return std::format("{} {} {} {} {} {} {} {}", caseId(c), state.clip, state.copies, request.width, request.height,
+                       background.x, background.y, background.z);
+}
+
+// Whether no lane is prepared anew for the request, which would take away what is in flight.
+bool follows(const Work& work, const Request& request) {
+    ViewState state = request.state;
+    chooseCases(state, work.caps);
+    return state.scene == work.scene && work.lanes[0].key == keyOf(request, state.cases[0]) &&
+           work.lanes[1].key == keyOf(request, state.cases[1]);
+}
+
+Result<void> prepareLane(Work& work, Lane& lane, const Case& c, const Request& request) {
+    const std::string key = keyOf(request, c);
     if (lane.key == key) return lane.ready ? Result<void>{} : Result<void>(deviceError(lane.error));
     drop(lane);
     lane.key = key;
@@ -115,6 +136,7 @@ Result<void> prepareLane(Work& work, Lane& lane, const Case& c, const glm::vec3&
         SKINBENCH_TRY(backend);
         auto planned = planCase(*work.workload, c, *backend, false);
         SKINBENCH_TRY(planned);
+        const glm::vec3& background = request.state.background;
         planned->plan.background = {background.x, background.y, background.z, 1};
         return prepareCase(std::move(*planned));
     };
@@ -152,104 +174,136 @@ std::string countersText(Prepared& ready, std::span<const FrameData> frame) {
     return text;
 }
 
-Result<void> draw(Work& work, const Request& request, size_t pane, Shown& shown) {
-    const Case& c = shown.cases[pane];
-    Drawn& picture = shown.pictures[pane];
+// The picture of a pane, or for a case that the device skins its begin. What the host skins is drawn one by one.
+Result<void> begin(Work& work, Begun& begun, size_t pane) {
+    const Request& request = begun.request;
+    const Case& c = begun.shown.cases[pane];
+    Drawn& picture = begun.shown.pictures[pane];
+    picture.id = caseId(c);
     auto framing = framingOf(*work.workload, c.influences);
     SKINBENCH_TRY(framing);
-    shown.look[pane] = lookOf(*framing);
+    begun.shown.look[pane] = lookOf(*framing);
     Lane& lane = work.lanes[pane];
-    SKINBENCH_TRY(prepareLane(work, lane, c, request.state.background));
-    picture.memory = lane.ready->memory;
+    SKINBENCH_TRY(prepareLane(work, lane, c, request));
+    Prepared& ready = *lane.ready;
+    picture.memory = ready.memory;
     picture.meshlets = lane.meshlets;
     auto frames = framesOfPose(*work.workload, c);
     SKINBENCH_TRY(frames);
-    auto drawn = drawFrames(*lane.ready, *frames);
+    const std::span<const FrameData> all(*frames);
+    auto drawn = drawFrames(ready, ready.host ? all : all.first(all.size() - 1));
     SKINBENCH_TRY(drawn);
-    picture.passes = passTimes(*lane.ready, drawn->back());
-    auto image = lane.ready->backend->readImage(*lane.ready->plan);
-    SKINBENCH_TRY(image);
-    picture.image = std::move(*image);
-    if (c.view == View::culled) {
-        const auto verdicts = readVerdicts(c, *lane.ready);
-        SKINBENCH_TRY(verdicts);
-        picture.legend = legendOf(c, countVerdicts(c, lane.ready->input, *verdicts));
+    if (ready.host) {
+        picture.passes = passTimes(ready, drawn->back());
+        auto image = ready.backend->readImage(*ready.plan);
+        SKINBENCH_TRY(image);
+        picture.image = std::move(*image);
+    } else {
+        SKINBENCH_TRY(beginFrame(ready, all.back()));
+        begun.inFlight[pane] = true;
     }
-    if (request.accuracy)
-        picture.accuracy =
-            accuracyText(work, c, *lane.ready->backend) + countersText(*lane.ready, std::span(*frames).last(1));
+    if (c.view == View::culled) {
+        const auto verdicts = readVerdicts(c, ready);
+        SKINBENCH_TRY(verdicts);
+        picture.legend = legendOf(c, countVerdicts(c, ready.input, *verdicts));
+    }
+    if (request.accuracy) picture.accuracy = accuracyText(work, c, *ready.backend) + countersText(ready, all.last(1));
     if (!request.pick || request.pick->pane != pane) return {};
-    const auto verdicts = attempt([&] { return verdictsOfPose(*work.workload, c, *lane.ready->backend); });
-    picture.picked = pickLines(c, lane.ready->input, frames->back(), request.pick->at,
+    const auto verdicts = attempt([&] { return verdictsOfPose(*work.workload, c, *ready.backend); });
+    picture.picked = pickLines(c, ready.input, all.back(), request.pick->at,
                                verdicts ? *verdicts : std::vector<uint32_t>());
     return {};
 }
 
-void drawBoth(Work& work, const Request& request, Shown& shown) {
-    settle(work, request);
-    for (const Clip& clip : work.workload->stored.clips) shown.clips.push_back({clip.name, clip.duration});
-    if (const Clip* clip = chosenClip(*work.workload)) shown.duration = clip->duration;
-    for (size_t pane = 0; pane < 2; ++pane) {
-        Drawn& picture = shown.pictures[pane];
-        picture.id = caseId(shown.cases[pane]);
-        if (auto drawn = attempt([&] { return draw(work, request, pane, shown); }); !drawn)
-            picture.error = drawn.error().text;
-    }
-    const Image &a = shown.pictures[0].image, &b = shown.pictures[1].image;
-    if (request.state.mode == Mode::difference && shown.pictures[0].error.empty() && shown.pictures[1].error.empty())
-        shown.difference = differenceImage(a, b, request.state.amplify);
+Result<void> finish(Prepared& ready, Drawn& picture) {
+    auto finished = ready.backend->finish(*ready.plan);
+    SKINBENCH_TRY(finished);
+    picture.passes = passTimes(ready, {std::move(finished->timing), 0});
+    picture.image = std::move(finished->image);
+    return {};
 }
 
-Shown answer(Work& work, const Request& request) {
-    Shown shown;
-    shown.number = request.number;
-    shown.seconds = request.state.seconds;
-    ViewState state = request.state;
+// What a step says of a pane becomes the pane's error.
+template <class Step>
+void attemptPane(Drawn& picture, const Step& step) {
+    if (auto done = attempt(step); !done && picture.error.empty()) picture.error = done.error().text;
+}
+
+Begun begin(Work& work, Request request) {
+    Begun begun{std::move(request), {}};
+    Shown& shown = begun.shown;
+    shown.number = begun.request.number;
+    shown.seconds = begun.request.state.seconds;
+    shown.wanted = begun.request.state.scene;
+    ViewState state = begun.request.state;
     chooseCases(state, work.caps);
     shown.cases = state.cases;
     if (auto loaded = loadWorkload(work, state); !loaded) {
         shown.error = loaded.error().text;
         shown.fault = loaded.error().fault;
     }
-    if (work.workload) {
-        shown.scene = work.scene;
-        shown.stats = work.stats;
-        drawBoth(work, request, shown);
-    }
+    if (!work.workload) return begun;
+    shown.scene = work.scene;
+    shown.stats = work.stats;
+    settle(work, begun.request);
+    for (const Clip& clip : work.workload->stored.clips) shown.clips.push_back({clip.name, clip.duration});
+    if (const Clip* clip = chosenClip(*work.workload)) shown.duration = clip->duration;
+    for (size_t pane = 0; pane < 2; ++pane) attemptPane(shown.pictures[pane], [&] { return begin(work, begun, pane); });
+    return begun;
+}
+
+Shown finish(Work& work, Begun begun) {
+    Shown& shown = begun.shown;
+    for (size_t pane = 0; pane < 2; ++pane)
+        if (Drawn& picture = shown.pictures[pane]; begun.inFlight[pane])
+            attemptPane(picture, [&] { return finish(*work.lanes[pane].ready, picture); });
+    const auto& [a, b] = shown.pictures;
+    const bool both = a.image.width && b.image.width && a.error.empty() && b.error.empty();
+    if (begun.request.state.mode == Mode::difference && both)
+        shown.difference = differenceImage(a.image, b.image, begun.request.state.amplify);
     for (auto& [api, devices] : work.opened)
         for (auto& [name, open] : devices.byApi)
             if (open.backend)
                 for (std::string& message : open.backend->takeMessages()) shown.messages.push_back(std::move(message));
-    return shown;
+    return std::move(shown);
 }
 
 }  // namespace
 
 Renderer::Renderer(const RendererOptions& options)
-    : thread_([this, options](const std::stop_token& stop) { work(stop, options); }) {}
+    : options_(options), thread_([this](const std::stop_token& stop) { work(stop); }) {}
 
-Renderer::~Renderer() = default;
+Renderer::~Renderer() {
+    std::lock_guard lock(mutex_);
+    requests_.clear();  // nobody waits for them
+}
 
 void Renderer::post(Request request) {
     std::lock_guard lock(mutex_);
     // What was asked for once is not lost with the frame that asked.
-    if (next_) {
-        request.accuracy = request.accuracy || next_->accuracy;
-        if (!request.pick) request.pick = next_->pick;
+    if (!options_.every && !requests_.empty()) {
+        request.accuracy = request.accuracy || requests_.back().accuracy;
+        if (!request.pick) request.pick = requests_.back().pick;
+        requests_.clear();
     }
-    next_ = std::move(request);
+    requests_.push_back(std::move(request));
     changed_.notify_all();
 }
 
-std::shared_ptr<const Shown> Renderer::latest() const {
+std::shared_ptr<const Shown> Renderer::take() {
     std::lock_guard lock(mutex_);
-    return latest_;
+    if (answers_.empty()) return nullptr;
+    auto answer = std::move(answers_.front());
+    answers_.pop_front();
+    return answer;
 }
 
-std::shared_ptr<const Shown> Renderer::wait(uint64_t number) const {
-    std::unique_lock lock(mutex_);
-    changed_.wait(lock, [&] { return latest_ && latest_->number >= number; });
-    return latest_;
+std::shared_ptr<const Shown> Renderer::wait() {
+    {
+        std::unique_lock lock(mutex_);
+        changed_.wait(lock, [&] { return !answers_.empty(); });
+    }
+    return take();
 }
 
 const CapsByApi& Renderer::devices() const {
@@ -258,30 +312,40 @@ const CapsByApi& Renderer::devices() const {
     return *devices_;
 }
 
-void Renderer::work(const std::stop_token& stop, const RendererOptions& options) {
+void Renderer::work(const std::stop_token& stop) {
     Work work;
-    work.options = options;
+    work.options = options_;
     work.caps = listDevices(work.options.device);
     {
         std::lock_guard lock(mutex_);
         devices_ = work.caps;
         changed_.notify_all();
     }
+    std::deque<Begun> begun;
     while (true) {
-        Request request;
+        std::optional<Request> next;
         {
             std::unique_lock lock(mutex_);
-            if (!changed_.wait(lock, stop, [&] { return next_.has_value(); })) break;
-            request = std::move(*next_);
-            next_.reset();
+            if (begun.empty() && !changed_.wait(lock, stop, [&] { return !requests_.empty(); })) break;
+            const bool room = begun.empty() || (begun.size() < kFramesInFlight && !requests_.empty() &&
+                                                follows(work, requests_.front()));
+            if (room) {
+                next = std::move(requests_.front());
+                requests_.pop_front();
+            }
         }
-        auto shown = std::make_shared<const Shown>(answer(work, request));
+        if (next) {
+            begun.push_back(begin(work, std::move(*next)));
+            continue;
+        }
+        auto shown = std::make_shared<const Shown>(finish(work, std::move(begun.front())));
+        begun.pop_front();
         {
             std::lock_guard lock(mutex_);
-            latest_ = std::move(shown);
+            answers_.push_back(std::move(shown));
             changed_.notify_all();
         }
-        options.answered();
+        options_.answered();
     }
     for (Lane& lane : work.lanes) drop(lane);
 }

@@ -1,5 +1,7 @@
 // What draws the pictures: a thread of its own that has the devices, so that the window never waits for them, and so
-// that its OpenGL and a backend's never meet on one thread.
+// that its OpenGL and a backend's never meet on one thread. A request begins on the devices of both panes while the
+// pictures of the one before it are still drawn and copied; where no other one is there, its pictures are waited for at
+// once.
 #pragma once
 
 #include <condition_variable>
@@ -50,7 +52,8 @@ struct ClipInfo {
 struct Shown {
     uint64_t number = 0;
     double seconds = 0;
-    std::string error;  // of the scene; the one before is drawn on
+    std::string wanted;  // the scene that was asked for
+    std::string error;   // of it; the one before is drawn on
     Fault fault = Fault::input;
     std::string scene;  // that is drawn; empty: none
     SceneStats stats;
@@ -66,6 +69,7 @@ struct Shown {
 struct RendererOptions {
     std::string device;
     bool validation = false;
+    bool every = false;          // each request is drawn; else it replaces one that has not begun
     void (*answered)() = [] {};  // called on the renderer's thread after each answer
 };
 
@@ -74,25 +78,23 @@ public:
     explicit Renderer(const RendererOptions& options);
     ~Renderer();
 
-    // Replaces a request that has not begun.
     void post(Request request);
 
-    // The latest answer; null before the first.
-    std::shared_ptr<const Shown> latest() const;
-
-    // Waits for the answer to a request, or to a later one.
-    std::shared_ptr<const Shown> wait(uint64_t number) const;
+    // Each answer once, in the order of the requests: what is there, or null, and what is waited for.
+    std::shared_ptr<const Shown> take();
+    std::shared_ptr<const Shown> wait();
 
     // What the devices can do; waits until they are listed, a second at the most.
     const CapsByApi& devices() const;
 
 private:
-    void work(const std::stop_token& stop, const RendererOptions& options);
+    void work(const std::stop_token& stop);
 
+    const RendererOptions options_;
     mutable std::mutex mutex_;
     mutable std::condition_variable_any changed_;
-    std::optional<Request> next_;
-    std::shared_ptr<const Shown> latest_;
+    std::deque<Request> requests_;  // that have not begun
+    std::deque<std::shared_ptr<const Shown>> answers_;
     std::optional<CapsByApi> devices_;
     std::jthread thread_;
 };

@@ -110,18 +110,22 @@ int finish(const Words& words, const ViewState& state, const Image& screenshot,
 
 // The pictures alone, each of the size that the window would have.
 int runWithoutWindow(const Words& words, ViewState state) {
-    Renderer renderer({words.device, words.validation});
+    Renderer renderer({.device = words.device, .validation = words.validation, .every = true});
     Tally tally;
     std::vector<std::string> messages;
     std::shared_ptr<const Shown> shown;
-    for (uint64_t frame = 1; frame <= words.frames && !interrupted(); ++frame) {
-        renderer.post({frame, state, state.width, state.height, false, {}});
-        shown = renderer.wait(frame);
+    for (uint32_t posted = 0; tally.drawn < words.frames && !interrupted();) {
+        // The first answer says how long the clip is; then the renderer always has a frame to begin.
+        const uint32_t ahead = shown ? tally.drawn + kFramesInFlight + 1 : 1;
+        while (posted < std::min(ahead, words.frames)) {
+            if (shown) stepClock(state, 1.0 / 60, shown->duration);
+            renderer.post({++posted, state, state.width, state.height, false, {}});
+        }
+        shown = renderer.wait();
         tally.add();
         if (const auto ended = fault(shown.get(), false)) return *ended;
         messages.insert(messages.end(), shown->messages.begin(), shown->messages.end());
         state.cases = shown->cases;
-        stepClock(state, 1.0 / 60, shown->duration);
     }
     if (!shown) return reportError({Fault::device, "interrupted before a frame was drawn"});
     const Image &a = shown->pictures[0].image, &b = shown->pictures[1].image;
@@ -141,7 +145,7 @@ int run(const Words& words) {
     if (words.noWindow && watched)
         return reportError({Fault::input, "--no-window draws a number of frames; name it with --frames"});
     if (words.noWindow) return runWithoutWindow(words, *state);
-    auto view = openView({*state, {words.device, words.validation}, !watched, {}});
+    auto view = openView({*state, {.device = words.device, .validation = words.validation}, !watched, {}});
     if (!view) return reportError(view.error());
     Tally tally;
     Image last;

@@ -45,7 +45,7 @@ struct Viewer {
     std::optional<Pick> askPick;
     glm::uvec2 size{0}, wanted{0};  // of a picture: as asked for, and as the panes now are
     std::chrono::steady_clock::time_point wantedSince, last, answered;
-    double rate = 0;  // answers a second of late
+    double period = 0;  // seconds between answers of late
 
     bool shrunk = false;             // pictures are smaller than their panes, as the processor draws them
     Rectangle area;                  // where pictures are drawn, in window coordinates

@@ -103,11 +103,10 @@ void upload(uint32_t texture, const Image& image) {
                  GL_RGBA, GL_UNSIGNED_BYTE, image.rgba.data());
 }
 
-// Asks for the pictures of what the window now shows, one request at a time.
+// Asks for the pictures of what the window now shows.
 void ask(Viewer& view) {
-    const bool answered = view.posted == 0 || (view.shown && view.shown->number >= view.posted);
     const std::string wanted = std::format("{} {} {}", settingsText(view.state), view.size.x, view.size.y);
-    if (!view.stepped && (!answered || (wanted == view.postedFor && !view.askAccuracy && !view.askPick))) return;
+    if (!view.stepped && wanted == view.postedFor && !view.askAccuracy && !view.askPick) return;
     view.postedFor = wanted;
     Request request{++view.posted, view.state, view.size.x, view.size.y, view.askAccuracy, view.askPick};
     view.askAccuracy = false;
@@ -115,13 +114,12 @@ void ask(Viewer& view) {
     view.renderer->post(std::move(request));
 }
 
-void take(Viewer& view) {
-    auto latest = view.stepped ? view.renderer->wait(view.posted) : view.renderer->latest();
-    if (!latest || latest == view.shown) return;
-    view.shown = latest;
-    const double passed =
-        std::chrono::duration<double>(Clock::now() - std::exchange(view.answered, Clock::now())).count();
-    if (passed > 0) view.rate += (1 / passed - view.rate) * 0.1;
+void take(Viewer& view, std::shared_ptr<const Shown> answer) {
+    view.shown = std::move(answer);
+    const Shown* latest = view.shown.get();
+    const auto now = Clock::now();
+    const double passed = std::chrono::duration<double>(now - std::exchange(view.answered, now)).count();
+    view.period += (std::min(passed, 0.25) - view.period) * 0.1;
     for (size_t pane = 0; pane < 2; ++pane) {
         if (latest->pictures[pane].error.empty() && latest->pictures[pane].image.width)
             upload(view.textures[pane], latest->pictures[pane].image);
@@ -131,9 +129,14 @@ void take(Viewer& view) {
     view.messages.insert(view.messages.end(), latest->messages.begin(), latest->messages.end());
     if (!latest->error.empty()) {
         view.note = latest->error;
-        if (!latest->scene.empty()) view.state.scene = latest->scene;
+        if (!latest->scene.empty() && view.state.scene == latest->wanted) view.state.scene = latest->scene;
     }
     remember(view);
+}
+
+void takeAll(Viewer& view) {
+    if (view.stepped) return take(view, view.renderer->wait());
+    while (auto answer = view.renderer->take()) take(view, std::move(answer));
 }
 
 void drawPane(const Viewer& view, size_t pane) {
@@ -377,7 +380,7 @@ Result<std::unique_ptr<Viewer>> openView(const ViewOptions& options) {
         glTexParameteri(GL_TEXTURE_2D, GL_TEXTURE_WRAP_S, GL_CLAMP_TO_EDGE);
         glTexParameteri(GL_TEXTURE_2D, GL_TEXTURE_WRAP_T, GL_CLAMP_TO_EDGE);
     }
-    view->last = Clock::now();
+    view->last = view->answered = Clock::now();
     return view;
 }
 
@@ -394,7 +397,7 @@ bool drawFrame(Viewer& view, Image* window) {
     readKeys(view);
     layOut(view);
     ask(view);
-    take(view);
+    takeAll(view);
     drawPictures(view);
     if (view.state.panel) drawPanel(view);
     if (view.state.keys) drawKeys(view);

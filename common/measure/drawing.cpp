@@ -174,4 +174,10 @@ Result<std::vector<DrawnFrame>> drawFrames(Prepared& ready, std::span<const Fram
     return drawn;
 }
 
+Result<void> beginFrame(Prepared& ready, const FrameData& frame) {
+    const auto palette = paletteBytes(ready.input, ready.blocks, frame);
+    SKINBENCH_TRY(palette);
+    return ready.backend->begin(*ready.plan, {.constants = frame.constants, .palette = *palette, .skinned = {}});
+}
+
 }  // namespace skinbench

@@ -83,6 +83,9 @@ Result<std::vector<DrawnFrame>> drawFrames(Prepared& ready, std::span<const Fram
 // The verdicts of a verifying plan of the case, in its first pose; none where it culls nothing.
 Result<std::vector<uint32_t>> verdictsOfPose(Workload& workload, const Case& c, Backend& backend);
 
+// Backend::begin of a frame that the device skins; Backend::finish gives what it took.
+Result<void> beginFrame(Prepared& ready, const FrameData& frame);
+
 // The mode that shows what the case is about: RunMode::batch with a second queue, else RunMode::timed.
 RunMode modeOf(const Case& c);
 

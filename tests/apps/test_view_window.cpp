@@ -288,6 +288,56 @@ TEST_CASE("a case that its device cannot draw says why in its pane", "[window]")
     drawnPicture(view, 0);
 }
 
+TEST_CASE("requests that are on the way together have the pictures of their own moments", "[window]") {
+    freshView();  // skips without drivers
+    Renderer renderer({.validation = underValidation(), .every = true});
+    const std::array<std::array<Case, 2>, 4> cases = {{{makeCase("vk", "compute"), makeCase("gl", "vertex")},
+                                                       {makeCase("gl", "compute"), makeCase("gl", "vertex")},
+                                                       {makeCase("vk", "cpu"), makeCase("vk", "compute")},
+                                                       {makeCase("gl", "cpu"), makeCase("cpu", "cpu")}}};
+    std::vector<Request> requests;
+    for (const auto& pair : cases)
+        for (const double seconds : {0.0, 0.2, 0.4}) {
+            ViewState state{.scene = "builtin:robot:2000", .cases = pair, .mode = Mode::difference, .seconds = seconds};
+            requests.push_back({requests.size() + 1, state, 96, 64, requests.size() == 4, Pick{1, {0.5f, 0.5f}}});
+        }
+    for (const Request& request : requests) renderer.post(request);
+    std::vector<std::shared_ptr<const Shown>> together;
+    while (together.size() < requests.size()) together.push_back(renderer.wait());
+    for (size_t i = 0; i < requests.size(); ++i) {
+        CAPTURE(i);
+        renderer.post(requests[i]);
+        const auto alone = renderer.wait();
+        CHECK(together[i]->number == requests[i].number);
+        CHECK(together[i]->seconds == requests[i].state.seconds);
+        for (const std::string& message : together[i]->messages) FAIL_CHECK(message);
+        CHECK(together[i]->difference.has_value() == (i < 9));
+        for (size_t pane = 0; pane < 2; ++pane) {
+            const Drawn &one = alone->pictures[pane], &other = together[i]->pictures[pane];
+            CHECK(one.error == other.error);
+            CHECK(one.image.rgba == other.image.rgba);
+            CHECK(one.picked == other.picked);
+            CHECK(one.accuracy.empty() == (i != 4));
+            CHECK(one.passes.size() == other.passes.size());
+            if (i % 3 && one.error.empty()) CHECK(one.image.rgba != together[i - 1]->pictures[pane].image.rgba);
+        }
+    }
+}
+
+TEST_CASE("a request that has not begun gives way to the next one, which asks for all that both did", "[window]") {
+    freshView();
+    Renderer renderer({});
+    const ViewState state{.scene = "builtin:robot:2000"};
+    renderer.post({1, state, 64, 48, true, {}});  // begins once the drivers have started
+    renderer.post({2, state, 64, 48, false, Pick{0, {0.5f, 0.5f}}});
+    renderer.post({3, state, 64, 48, false, {}});
+    auto answer = renderer.wait();
+    if (answer->number == 1) answer = renderer.wait();
+    CHECK(answer->number == 3);
+    CHECK_FALSE(answer->pictures[0].picked.empty());
+    CHECK(renderer.take() == nullptr);
+}
+
 TEST_CASE("the window closes without a message of the validation", "[window]") {
     Viewer& view = freshView();
     ImGui::GetIO().AddKeyEvent(ImGuiKey_Q, true);
@@ -362,7 +412,7 @@ TEST_CASE("a thousand changes of the case", "[.memory]") {
         for (int i = 0; i < changes; ++i) {
             state.cases = {cases[i % 4], cases[(i + 1) % 4]};
             renderer.post({static_cast<uint64_t>(i + 1), state, 160, 90, false, {}});
-            REQUIRE(renderer.wait(static_cast<uint64_t>(i + 1))->pictures[0].error.empty());
+            REQUIRE(renderer.wait()->pictures[0].error.empty());
             if ((i + 1) % (changes / 5) == 0) window += std::format(" {}", resident());
         }
     }

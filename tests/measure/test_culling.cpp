@@ -220,7 +220,7 @@ double rightShare(Workload& workload, Case c) {
         if (lines.empty()) continue;
         unsigned copy = 0, triangle = 0;
         REQUIRE(std::sscanf(lines[0].c_str(), "copy %u, triangle %u", &copy, &triangle) == 2);
-        const auto posed = skinReference(input->scene->mesh, paletteOfCopy(*frame, input->copies, copy));
+        const auto posed = skinReference(input->scene->mesh, paletteOfCopy(*frame, copy));
         std::array<glm::dvec4, 3> p;
         bool beside = true, left = true, below = true, above = true;
         for (size_t i = 0; i < 3; ++i) {
