@@ -210,8 +210,8 @@ Result<void> begin(Work& work, Begun& begun, size_t pane) {
     if (request.accuracy) picture.accuracy = accuracyText(work, c, *ready.backend) + countersText(ready, all.last(1));
     if (!request.pick || request.pick->pane != pane) return {};
     const auto verdicts = attempt([&] { return verdictsOfPose(*work.workload, c, *ready.backend); });
-    picture.picked = pickLines(c, ready.input, all.back(), request.pick->at,
-                               verdicts ? *verdicts : std::vector<uint32_t>());
+    picture.picked =
+        pickLines(c, ready.input, all.back(), request.pick->at, verdicts ? *verdicts : std::vector<uint32_t>());
     return {};
 }
 
