@@ -124,11 +124,22 @@ int finishRun(const RunOptions& options, ResultFiles& files, const nlohmann::ord
     return std::max({status, printed, written});
 }
 
+// An id may have what the options do not offer: the views, whose frames do other work than the case.
+Result<void> checkBenched(const std::vector<Case>& cases) {
+    for (const Case& c : cases)
+        for (const Axis& axis : axes())
+            if (!axis.benched && axis.applies(c) && axis.get(c) != axis.usual)
+                return inputError(std::format("{}: what is measured is the usual {}, {}; leave out {}", caseId(c),
+                                              axis.name, axis.usual, axis.idPart(c)));
+    return {};
+}
+
 int runOnDevice(const RunOptions& options) {
     Selectors selectors = options.selectors;
     if (auto resolved = resolveAuto(selectors); !resolved) return reportError(resolved.error());
     auto cases = selectedCases(selectors);
     if (!cases) return reportError(cases.error());
+    if (auto benched = checkBenched(*cases); !benched) return reportError(benched.error());
     const auto baseline = baselineOf(options, *cases);
     if (!baseline) return reportError(baseline.error());
     const auto unused = selectors.caseIds.empty() ? unusedWords(selectors.words, *cases) : std::vector<Unused>();

@@ -216,7 +216,7 @@ static Result<void> checkCulled(const Case& c) {
     if (c.variant->listsTriangles)
         return inputError("view culled needs a test to show; leave out --triangle-tests none");
     if (c.variant->cullsMeshlets)
-        return inputError("view culled needs a case that culls; add --cluster-cull task or list, or --cull compact");
+        return inputError("view culled needs a case that culls; add --cluster-cull or --cull");
     return inputError(std::string("view culled needs a variant that culls, not ") + c.variant->name +
                       ": compute-cull, or mesh, mesh-ci or compute-mesh with --cluster-cull or --cull");
 }

@@ -6,8 +6,8 @@
 // Uniform block.
 #define SLOT_FRAME 0  // FrameConstants
 
-// Storage blocks. No stage has more than eight, the number that OpenGL 4.5 guarantees a stage that has any: those that
-// draw meshlets have no tangents.
+// Storage blocks. No stage that is timed has more than eight, the number that OpenGL 4.5 guarantees a stage that has any:
+// those that draw meshlets have no tangents.
 #define SLOT_PALETTE 1  // rows of the joints (common/scene/palette_rows.h), joint after joint, copy after copy
 #define SLOT_VERTEX 2   // encoded vertices of one codec, copy after copy
 #define SLOT_MESHLET 3  // meshlet descriptors
