@@ -88,10 +88,11 @@ struct Tally {
         if (drawn++ == 0) first = all;
     }
     std::string text(const Image& image) const {
-        return std::format(
-            "first frame after {:.2f} s, then {} frames of two pictures of {} x {} in {:.2f} s, {:.1f} a "
-            "second\n",
-            first, drawn - 1, image.width, image.height, all - first, drawn > 1 ? (drawn - 1) / (all - first) : 0);
+        const std::string begin =
+            std::format("two pictures of {} x {}: the first frame after {:.2f} s", image.width, image.height, first);
+        if (drawn < 2) return begin + "\n";
+        return begin + std::format(", then {} more in {:.2f} s, {:.1f} a second\n", drawn - 1, all - first,
+                                   (drawn - 1) / (all - first));
     }
 };
 

@@ -247,8 +247,13 @@ std::string countsText(const Json& results) {
     const auto with = [&](const char* status) {
         return std::ranges::count_if(cases, [&](const Json& row) { return row["status"] == status; });
     };
-    const auto ok = with("ok"), timed = std::ranges::count_if(cases, isTimed);
-    std::string text = std::format("{} of {} cases verified{}", ok, cases.size(), timed ? " and timed" : "");
+    const auto timed = std::ranges::count_if(cases, isTimed);
+    // What was interrupted before it was timed is skipped, and verified all the same.
+    const auto verified = std::ranges::count_if(cases, [](const Json& row) {
+        return row["status"] == "ok" || (row["status"] == "skipped" && !row["accuracy"].is_null());
+    });
+    std::string text = std::format("{} of {} cases verified", timed ? with("ok") : verified, cases.size());
+    if (timed) text += " and timed";
     if (with("skipped")) text += std::format(", {} skipped", with("skipped"));
     if (with("failed")) text += std::format(", {} failed", with("failed"));
     return text;

@@ -95,8 +95,14 @@ TEST_CASE("every case is right on every route, and the images agree") {
     Workload workload = tinyWorkload(3);
     std::vector<Case> cases;
     std::set<std::string> known;
-    for (const Case& c : everyCase())
-        if (c.view == View::shaded && known.insert(caseId(c)).second) cases.push_back(c);
+    size_t others = 0;
+    for (const Case& c : everyCase()) {
+        if (c.view != View::shaded || !known.insert(caseId(c)).second) continue;
+        // All options with one codec and API, and a third of them elsewhere; glslang sees all (test_shaders.cpp).
+        const bool all = !caseId(c).contains('+') || (c.codec == findCodec("uc") && c.route->api == Api::vulkan);
+        if (all || others++ % 3 == 0) cases.push_back(c);
+    }
+    INFO(cases.size() << " cases");
     CHECK(requireVerified(workload, cases) > 200);
 }
 

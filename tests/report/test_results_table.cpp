@@ -1,5 +1,6 @@
 // The table for people and its answers, over invented results. No driver takes part.
 #include <algorithm>
+#include <format>
 #include <sstream>
 
 #include <catch2/catch_test_macros.hpp>
@@ -267,12 +268,22 @@ TEST_CASE("cases that were skipped for one reason are joined, and words without 
     CHECK(json["unused"][0]["words"] == Json{"mesh-ci"});
 }
 
+TEST_CASE("what was verified and interrupted before it was timed counts as verified") {
+    CaseResult interrupted = timed("vk/compute/uc", 1);
+    interrupted.status = CaseStatus::skipped;
+    interrupted.reason = "interrupted before it was timed";
+    interrupted.total.clear();
+    interrupted.figures.reset();
+    const std::string table = tableOf({interrupted, skipped("vk/vertex/uc", "interrupted before it was verified")});
+    CHECK_THAT(table, ContainsSubstring("1 of 2 cases verified, 2 skipped\n"));
+}
+
 TEST_CASE("no line is longer than the terminal") {
     std::vector<CaseResult> results = sample();
     results.push_back(
         timed("vk-ext/mesh-ci/pdc16/scan/fixed+64-64+ci-triangles+ci-min-12+clamped-loads+8-influences", 9));
-    results.push_back(skipped("vk/compute/uc+8-influences",
-                              "a reason that goes on and on, " + std::string(90, 'o') + " " + std::string(60, 'n')));
+    results.push_back(
+        skipped("vk/compute/uc+8-influences", std::format("a reason that goes on and on, {:o>90} {:n>60}", "", "")));
     RunContext context = contextOf(true);
     context.devices[0].name = "A GPU with a very long name that its driver gives, revision 17, on a bus of its own";
     context.warnings = {"a warning that has more to say than fits into one line of a terminal with so few columns"};
