@@ -665,3 +665,44 @@ TEST_CASE("shaders that are not there") {
     CHECK_THAT(outcome.err, ContainsSubstring("/nonexistent"));
     CHECK(linesOf(outcome.err).size() == 1);
 }
+
+TEST_CASE("a picture that is not right is drawn with a warning, and verify fails it") {
+    const std::string folder = pathOf("wrong_shaders");
+    fs::remove_all(folder);
+    fs::copy(SKINBENCH_SOURCE_DIR "/shaders_glsl", folder, fs::copy_options::recursive);
+    const std::string file = folder + "/skin.glsl";
+    std::string text = *readWholeFile(file);
+    const std::string right = "if (weight <= 1e-7) return;";
+    REQUIRE(text.contains(right));
+    text.replace(text.find(right), right.size(), "if (weight <= 0.3) return;");
+    REQUIRE(writeWholeFile(file, text));
+    const Words wrong = {"SKINBENCH_SHADERS=" + folder};
+    const Outcome drawn =
+        call({"render", "builtin:biped:2000", "--case", "vk/vertex/uc", "--size", "64x64", "-o", "wrong.png"}, wrong);
+    INFO(drawn.err);
+    if (drawn.err.contains("Vulkan: ")) SKIP("no Vulkan driver on this machine");
+    CHECK(drawn.status == 0);
+    CHECK_THAT(drawn.err, ContainsSubstring("warning: vk/vertex/uc is drawn, and is not right: positions are off by "));
+    CHECK(fs::exists(pathOf("wrong.png")));
+    const Outcome verified = call({"verify", "builtin:biped:2000", "--case", "vk/vertex/uc", "--size", "64x64"}, wrong);
+    CHECK(verified.status == 1);
+    CHECK_THAT(verified.err, ContainsSubstring("1 of 1 cases failed; the first, vk/vertex/uc: positions are off by "));
+}
+
+TEST_CASE("a shader that is missing, or a folder in its place, is one line that names it") {
+    const std::string folder = pathOf("few_shaders");
+    fs::remove_all(folder);
+    fs::copy(SKINBENCH_SOURCE_DIR "/shaders_glsl", folder, fs::copy_options::recursive);
+    for (const bool asFolder : {false, true}) {
+        fs::remove(folder + "/vertex.glsl");
+        if (asFolder) fs::create_directory(folder + "/vertex.glsl");
+        const Outcome drawn =
+            call({"render", "builtin:robot:2000", "--case", "vk/vertex/uc", "--size", "64x64", "-o", "few.png"},
+                 {"SKINBENCH_SHADERS=" + folder});
+        INFO(drawn.err);
+        if (drawn.err.contains("Vulkan: ")) SKIP("no Vulkan driver on this machine");
+        CHECK(drawn.status != 0);
+        CHECK_THAT(drawn.err, ContainsSubstring("vertex.glsl"));
+        CHECK(linesOf(drawn.err).size() == 1);
+    }
+}
