@@ -18,15 +18,6 @@ void recordBatch(const Plan& plan, const FrameData& data, VkCommandBuffer comman
 
 namespace {
 
-Result<VkCommandPool> makePool(Device& device, uint32_t family) {
-    VkCommandPoolCreateInfo info{VK_STRUCTURE_TYPE_COMMAND_POOL_CREATE_INFO};
-    info.queueFamilyIndex = family;
-    VkCommandPool pool = VK_NULL_HANDLE;
-    SKINBENCH_TRY(
-        check(device, device.vk.vkCreateCommandPool(device.handle, &info, nullptr, &pool), "create a command pool"));
-    return pool;
-}
-
 Result<VkSemaphore> makeTimeline(Device& device) {
     VkSemaphoreTypeCreateInfo type{VK_STRUCTURE_TYPE_SEMAPHORE_TYPE_CREATE_INFO};
     type.semaphoreType = VK_SEMAPHORE_TYPE_TIMELINE;
@@ -42,23 +33,16 @@ Result<void> needCommands(Device& device, VkCommandPool pool, std::vector<VkComm
     SKINBENCH_TRY(check(device, device.vk.vkResetCommandPool(device.handle, pool, 0), "reset the commands"));
     if (commands.size() >= count) return {};
     std::vector<VkCommandBuffer> more(count - commands.size());
-    VkCommandBufferAllocateInfo info{VK_STRUCTURE_TYPE_COMMAND_BUFFER_ALLOCATE_INFO};
-    info.commandPool = pool;
-    info.level = VK_COMMAND_BUFFER_LEVEL_PRIMARY;
-    info.commandBufferCount = static_cast<uint32_t>(more.size());
-    SKINBENCH_TRY(
-        check(device, device.vk.vkAllocateCommandBuffers(device.handle, &info, more.data()), "create command buffers"));
+    SKINBENCH_TRY(createCommands(device, pool, more));
     commands.insert(commands.end(), more.begin(), more.end());
     return {};
 }
 
 template <class Record>
 Result<void> recordInto(Device& device, VkCommandBuffer commands, const Record& record) {
-    VkCommandBufferBeginInfo info{VK_STRUCTURE_TYPE_COMMAND_BUFFER_BEGIN_INFO};
-    info.flags = VK_COMMAND_BUFFER_USAGE_ONE_TIME_SUBMIT_BIT;
-    SKINBENCH_TRY(check(device, device.vk.vkBeginCommandBuffer(commands, &info), "begin recording"));
+    SKINBENCH_TRY(beginRecording(device, commands));
     record();
-    return check(device, device.vk.vkEndCommandBuffer(commands), "record the commands");
+    return endRecording(device, commands);
 }
 
 // draws[0] begins the batch: its first timestamp is what both queues wait for. draws[1 + f] is the rest of frame f.
@@ -161,7 +145,7 @@ Result<std::unique_ptr<TwoQueues>> openTwoQueues(Device& device) {
     auto queues = std::make_unique<TwoQueues>(device);
     for (auto [pool, family] : {std::pair(&queues->aheadPool, *device.adapter.secondFamily),
                                 std::pair(&queues->drawPool, *device.adapter.queueFamily)}) {
-        auto made = makePool(device, family);
+        auto made = createPool(device, family);
         SKINBENCH_TRY(made);
         *pool = *made;
     }

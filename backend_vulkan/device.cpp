@@ -100,19 +100,15 @@ Result<void> createAllocator(Device& device) {
     return check(device, vmaCreateAllocator(&info, &device.allocator), "create the memory allocator");
 }
 
-Result<void> createCommands(Device& device) {
-    VkCommandPoolCreateInfo pool{VK_STRUCTURE_TYPE_COMMAND_POOL_CREATE_INFO};
-    pool.queueFamilyIndex = *device.adapter.queueFamily;
-    SKINBENCH_TRY(check(device, device.vk.vkCreateCommandPool(device.handle, &pool, nullptr, &device.pool),
-                        "create a command pool"));
-    VkCommandBufferAllocateInfo buffer{VK_STRUCTURE_TYPE_COMMAND_BUFFER_ALLOCATE_INFO};
-    buffer.commandPool = device.pool;
-    buffer.level = VK_COMMAND_BUFFER_LEVEL_PRIMARY;
-    buffer.commandBufferCount = 1;
-    SKINBENCH_TRY(check(device, device.vk.vkAllocateCommandBuffers(device.handle, &buffer, &device.commands),
-                        "create a command buffer"));
-    VkFenceCreateInfo fence{VK_STRUCTURE_TYPE_FENCE_CREATE_INFO};
-    return check(device, device.vk.vkCreateFence(device.handle, &fence, nullptr, &device.fence), "create a fence");
+Result<void> createOwnCommands(Device& device) {
+    const auto pool = createPool(device, *device.adapter.queueFamily);
+    SKINBENCH_TRY(pool);
+    device.pool = *pool;
+    SKINBENCH_TRY(createCommands(device, device.pool, {&device.commands, 1}));
+    const auto fence = createFence(device);
+    SKINBENCH_TRY(fence);
+    device.fence = *fence;
+    return {};
 }
 
 Result<Adapter> chooseAdapter(const Instance& instance, std::optional<size_t> wanted) {
@@ -179,7 +175,7 @@ Result<std::unique_ptr<Device>> openDevice(const BackendOptions& options) {
     if (ext || nv) device->stages |= VK_SHADER_STAGE_MESH_BIT_EXT;
     if (device->caps.ext.taskStages || device->caps.nv.taskStages) device->stages |= VK_SHADER_STAGE_TASK_BIT_EXT;
     SKINBENCH_TRY(createAllocator(*device));
-    SKINBENCH_TRY(createCommands(*device));
+    SKINBENCH_TRY(createOwnCommands(*device));
     return device;
 }
 
@@ -194,17 +190,49 @@ Result<void> check(Device& device, VkResult result, std::string_view what) {
     return deviceError(std::format("{}: could not {}: {}", device.caps.name, what, resultName(result)));
 }
 
-Result<VkCommandBuffer> beginCommands(Device& device) {
-    SKINBENCH_TRY(check(device, device.vk.vkResetCommandPool(device.handle, device.pool, 0), "reset the commands"));
+Result<VkCommandPool> createPool(Device& device, uint32_t family, VkCommandPoolCreateFlags flags) {
+    VkCommandPoolCreateInfo info{VK_STRUCTURE_TYPE_COMMAND_POOL_CREATE_INFO};
+    info.flags = flags;
+    info.queueFamilyIndex = family;
+    VkCommandPool pool = VK_NULL_HANDLE;
+    SKINBENCH_TRY(
+        check(device, device.vk.vkCreateCommandPool(device.handle, &info, nullptr, &pool), "create a command pool"));
+    return pool;
+}
+
+Result<void> createCommands(Device& device, VkCommandPool pool, std::span<VkCommandBuffer> made) {
+    VkCommandBufferAllocateInfo info{VK_STRUCTURE_TYPE_COMMAND_BUFFER_ALLOCATE_INFO};
+    info.commandPool = pool;
+    info.level = VK_COMMAND_BUFFER_LEVEL_PRIMARY;
+    info.commandBufferCount = static_cast<uint32_t>(made.size());
+    return check(device, device.vk.vkAllocateCommandBuffers(device.handle, &info, made.data()),
+                 "create command buffers");
+}
+
+Result<VkFence> createFence(Device& device) {
+    VkFenceCreateInfo info{VK_STRUCTURE_TYPE_FENCE_CREATE_INFO};
+    VkFence fence = VK_NULL_HANDLE;
+    SKINBENCH_TRY(check(device, device.vk.vkCreateFence(device.handle, &info, nullptr, &fence), "create a fence"));
+    return fence;
+}
+
+Result<void> beginRecording(Device& device, VkCommandBuffer commands) {
     VkCommandBufferBeginInfo info{VK_STRUCTURE_TYPE_COMMAND_BUFFER_BEGIN_INFO};
     info.flags = VK_COMMAND_BUFFER_USAGE_ONE_TIME_SUBMIT_BIT;
-    SKINBENCH_TRY(check(device, device.vk.vkBeginCommandBuffer(device.commands, &info), "begin recording"));
+    return check(device, device.vk.vkBeginCommandBuffer(commands, &info), "begin recording");
+}
+
+Result<void> endRecording(Device& device, VkCommandBuffer commands) {
+    return check(device, device.vk.vkEndCommandBuffer(commands), "record the commands");
+}
+
+Result<VkCommandBuffer> beginCommands(Device& device) {
+    SKINBENCH_TRY(check(device, device.vk.vkResetCommandPool(device.handle, device.pool, 0), "reset the commands"));
+    SKINBENCH_TRY(beginRecording(device, device.commands));
     return device.commands;
 }
 
-Result<void> endCommands(Device& device) {
-    return check(device, device.vk.vkEndCommandBuffer(device.commands), "record the commands");
-}
+Result<void> endCommands(Device& device) { return endRecording(device, device.commands); }
 
 Result<double> submitAndWait(Device& device, const std::function<uint64_t()>& progress) {
     const auto milliseconds = submit(device, device.commands, device.fence);

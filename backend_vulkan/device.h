@@ -12,6 +12,7 @@
 
 #include <chrono>
 #include <functional>
+#include <span>
 
 namespace skinbench::vulkan {
 
@@ -53,6 +54,14 @@ Result<std::unique_ptr<Device>> openDevice(const BackendOptions& options);
 
 // Turns a VkResult into an error "Vulkan: could not <what>: VK_…" and remembers a lost device.
 Result<void> check(Device& device, VkResult result, std::string_view what);
+
+Result<VkCommandPool> createPool(Device& device, uint32_t family, VkCommandPoolCreateFlags flags = 0);
+Result<void> createCommands(Device& device, VkCommandPool pool, std::span<VkCommandBuffer> made);
+Result<VkFence> createFence(Device& device);
+
+// A command buffer is recorded between these two, to be submitted once.
+Result<void> beginRecording(Device& device, VkCommandBuffer commands);
+Result<void> endRecording(Device& device, VkCommandBuffer commands);
 
 // Begins the device's one command buffer anew; nothing of it is in flight.
 Result<VkCommandBuffer> beginCommands(Device& device);

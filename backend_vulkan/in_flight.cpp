@@ -10,15 +10,10 @@ uint64_t imageBytes(const InFlight& inFlight) { return uint64_t{inFlight.width} 
 
 Result<void> openFrame(InFlight& inFlight, FrameInFlight& frame) {
     Device& device = inFlight.device;
-    VkCommandBufferAllocateInfo commands{VK_STRUCTURE_TYPE_COMMAND_BUFFER_ALLOCATE_INFO};
-    commands.commandPool = inFlight.pool;
-    commands.level = VK_COMMAND_BUFFER_LEVEL_PRIMARY;
-    commands.commandBufferCount = 1;
-    SKINBENCH_TRY(check(device, device.vk.vkAllocateCommandBuffers(device.handle, &commands, &frame.commands),
-                        "create a command buffer"));
-    VkFenceCreateInfo fence{VK_STRUCTURE_TYPE_FENCE_CREATE_INFO};
-    SKINBENCH_TRY(
-        check(device, device.vk.vkCreateFence(device.handle, &fence, nullptr, &frame.fence), "create a fence"));
+    SKINBENCH_TRY(createCommands(device, inFlight.pool, {&frame.commands, 1}));
+    const auto fence = createFence(device);
+    SKINBENCH_TRY(fence);
+    frame.fence = *fence;
     SKINBENCH_TRY(needTimestamps(device, frame.times, inFlight.passes * 2));
     return createBuffer(device, imageBytes(inFlight), VK_BUFFER_USAGE_TRANSFER_DST_BIT, Memory::download, frame.image,
                         [&] { return device.caps.name + ": the copy of an image for the host"; });
@@ -27,16 +22,14 @@ Result<void> openFrame(InFlight& inFlight, FrameInFlight& frame) {
 Result<void> record(const InFlight& inFlight, const Plan& plan, size_t slot) {
     Device& device = inFlight.device;
     const FrameInFlight& frame = inFlight.frames[slot];
-    VkCommandBufferBeginInfo info{VK_STRUCTURE_TYPE_COMMAND_BUFFER_BEGIN_INFO};
-    info.flags = VK_COMMAND_BUFFER_USAGE_ONE_TIME_SUBMIT_BIT;
-    SKINBENCH_TRY(check(device, device.vk.vkBeginCommandBuffer(frame.commands, &info), "begin recording"));
+    SKINBENCH_TRY(beginRecording(device, frame.commands));
     device.vk.vkCmdResetQueryPool(frame.commands, frame.times.pool, 0, frame.times.count);
     fullBarrier(device, frame.commands);
     const FrameRecord record{plan, inFlight.data, frame.commands, slot};
     bindFrame(record);
     recordTimed(record, frame.times.pool, 0);
     recordImageCopy(frame.commands, *plan.target, 0, inFlight.height, frame.image);
-    return check(device, device.vk.vkEndCommandBuffer(frame.commands), "record the commands");
+    return endRecording(device, frame.commands);
 }
 
 Result<void> wait(const InFlight& inFlight, const FrameInFlight& frame) {
@@ -62,11 +55,9 @@ Result<std::unique_ptr<InFlight>> openInFlight(Device& device, const Plan& plan)
     inFlight->passes = static_cast<uint32_t>(plan.shape.passes.size());
     inFlight->width = plan.shape.width;
     inFlight->height = plan.shape.height;
-    VkCommandPoolCreateInfo pool{VK_STRUCTURE_TYPE_COMMAND_POOL_CREATE_INFO};
-    pool.flags = VK_COMMAND_POOL_CREATE_RESET_COMMAND_BUFFER_BIT;
-    pool.queueFamilyIndex = *device.adapter.queueFamily;
-    SKINBENCH_TRY(check(device, device.vk.vkCreateCommandPool(device.handle, &pool, nullptr, &inFlight->pool),
-                        "create a command pool"));
+    const auto pool = createPool(device, *device.adapter.queueFamily, VK_COMMAND_POOL_CREATE_RESET_COMMAND_BUFFER_BIT);
+    SKINBENCH_TRY(pool);
+    inFlight->pool = *pool;
     for (FrameInFlight& frame : inFlight->frames) SKINBENCH_TRY(openFrame(*inFlight, frame));
     return inFlight;
 }
