@@ -42,8 +42,7 @@
 #define COPY_GROUP 256    // copy.glsl, 16 bytes each
 #define CULL_GROUP 128    // cull_triangles.glsl, a triangle each
 #define LIST_GROUP 128    // list_clusters.glsl, a meshlet each, and bound_instances.glsl, a joint each
-#define TASK_GROUP 32     // task.glsl
-#define TASK_MESHLETS 96  // of such a work group: a byte each in a payload of at most 108 bytes, NVIDIA's fast size
+#define TASK_GROUP 32     // task.glsl, a meshlet each
 
 // Values of the defines VIEW, CULL, JOINTS, METHOD, ZERO_WEIGHTS, CLUSTER_CULL and CLUSTER_BOUNDS, and of the enums View,
 // Cull, JointSource, Method, ZeroWeights, ClusterCull and ClusterBounds.

@@ -1,5 +1,5 @@
-// The task stage in front of a mesh stage: a lane tests a meshlet at a time, and mesh work groups start for those that are
-// drawn.
+// The task stage in front of a mesh stage: a meshlet a lane, and mesh work groups for those that are drawn. More meshlets
+// than lanes, in turns, take longer (docs/studies/culling_meshlets.md).
 #if STAGE_TASK
 #include "cluster_tests.glsl"
 #define PAYLOAD_WAY out
@@ -7,7 +7,7 @@
 
 layout(local_size_x = TASK_GROUP) in;
 
-shared uint places[TASK_MESHLETS];
+shared uint places[TASK_GROUP];
 
 // How many lanes before this one draw their meshlet, and how many there are.
 #if TASK_BALLOT
@@ -21,8 +21,6 @@ shared uint drawnLanes[TASK_GROUP];
 
 uint drawnBelow(bool drawn, out uint total) {
     uint lane = gl_LocalInvocationID.x, below = 0u;
-    memoryBarrierShared();
-    barrier();
     drawnLanes[lane] = drawn ? 1u : 0u;
     memoryBarrierShared();
     barrier();
@@ -35,42 +33,38 @@ uint drawnBelow(bool drawn, out uint total) {
 }
 #endif
 
-bool isGroupDrawn(uint group) {
+void main() {
+    uint lane = gl_LocalInvocationID.x;
+    uint first = (gl_WorkGroupID.x + drawConstants.y) * uint(TASK_GROUP);
+    uint group = first + lane;
 #if BATCHED
     uint copyNumber = group / uint(MESHLET_COUNT);
     uint number = group - copyNumber * uint(MESHLET_COUNT);
-    return copyNumber < uint(COPY_COUNT) && isClusterShown(number, copyNumber);
+    bool there = copyNumber < uint(COPY_COUNT);
 #else
-    return group < uint(MESHLET_COUNT) && isClusterShown(group, drawConstants.x);
+    uint copyNumber = drawConstants.x;
+    uint number = group;
+    bool there = number < uint(MESHLET_COUNT);
 #endif
-}
-
-void main() {
-    uint lane = gl_LocalInvocationID.x;
-    uint first = (gl_WorkGroupID.x + drawConstants.y) * uint(TASK_MESHLETS);
-    uint count = 0u;
-    for (uint next = 0u; next < uint(TASK_MESHLETS); next += uint(TASK_GROUP)) {
-        bool drawn = isGroupDrawn(first + next + lane);
-        uint total;
-        uint below = drawnBelow(drawn, total);
-        if (drawn) places[count + below] = next + lane;
-        count += total;
-    }
+    bool drawn = there && isClusterShown(number, copyNumber);
+    uint total;
+    uint below = drawnBelow(drawn, total);
+    if (drawn) places[below] = lane;
     memoryBarrierShared();
     barrier();
-    for (uint word = lane; word * 4u < count; word += uint(TASK_GROUP)) {
+    if (lane < uint(TASK_GROUP / 4)) {
         uint four = 0u;
         for (uint i = 0u; i < 4u; ++i)
-            if (word * 4u + i < count) four |= places[word * 4u + i] << (8u * i);
-        payload.places[word] = four;
+            if (lane * 4u + i < total) four |= places[lane * 4u + i] << (8u * i);
+        payload.places[lane] = four;
     }
     if (lane == 0u) payload.first = first;
 #if MESH_NV
-    if (lane == 0u) gl_TaskCountNV = count;
+    if (lane == 0u) gl_TaskCountNV = total;
 #else
     memoryBarrierShared();
     barrier();
-    EmitMeshTasksEXT(count, 1u, 1u);
+    EmitMeshTasksEXT(total, 1u, 1u);
 #endif
 }
 #endif

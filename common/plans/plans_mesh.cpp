@@ -83,7 +83,7 @@ Result<void> addMeshPass(FramePlan& plan, MeshPass kind, const Case& c, const Pl
     Pass pass = startPass(c, PassKind::drawMesh, shown);
     const uint32_t most = std::max(1u, meshLimits(caps, c.route->dialect).maxGroupCount);
     const auto meshlets = static_cast<uint32_t>(input.meshlets->meshlets.size());
-    const uint32_t each = c.clusterCull == ClusterCull::task ? TASK_MESHLETS : 1;
+    const uint32_t each = c.clusterCull == ClusterCull::task ? TASK_GROUP : 1;
     if (c.clusterCull == ClusterCull::list && meshlets > most)
         return deviceError(
             std::format("lists {} meshlets: {} starts {} work groups at once", meshlets, caps.name, most));
