@@ -20,10 +20,9 @@ void main() {
         uvec4 box = clusterParts[place];
         vec4 center = vec4(uintBitsToFloat(box.xyz), 1.0);
         vec3 extent = uintBitsToFloat(clusterParts[place + 1u].xyz);
-        uint row = ((box.w >> 16) + FIRST_JOINT(copyNumber)) * uint(PALETTE_ROWS);
-        vec4 a = paletteRow(row), b = paletteRow(row + 1u), c = paletteRow(row + 2u);
-        vec3 middle = vec3(dot(a, center), dot(b, center), dot(c, center));
-        vec3 reach = vec3(dot(abs(a.xyz), extent), dot(abs(b.xyz), extent), dot(abs(c.xyz), extent));
+        JointRows joint = paletteJoint(((box.w >> 16) + FIRST_JOINT(copyNumber)) * uint(PALETTE_ROWS));
+        vec3 middle = vec3(dot(joint.a, center), dot(joint.b, center), dot(joint.c, center));
+        vec3 reach = vec3(dot(abs(joint.a.xyz), extent), dot(abs(joint.b.xyz), extent), dot(abs(joint.c.xyz), extent));
         low = min(low, middle - reach);
         high = max(high, middle + reach);
     }

@@ -1,5 +1,6 @@
 // Whether a meshlet of a skinned mesh can be seen, from what bounds it in the bind pose (common/meshlets/cluster_bounds.h);
 // docs/culling.md has the proofs. What is in doubt stays. Tests compile this text as C++ too, so swizzles are spelled out.
+#include "joint_rows.glsl"
 #include "rounding.glsl"
 
 // Rows of the matrix that takes a place to clip space: of a copy, or of the bind pose before one joint moves it.
@@ -22,13 +23,6 @@ ClipRows viewRows(mat4 m, vec3 offset) {
     rows.w.w += dot(vec3(rows.w), offset);
     return rows;
 }
-
-// A joint's matrix by its rows.
-struct JointRows {
-    vec4 a;
-    vec4 b;
-    vec4 c;
-};
 
 vec4 throughJoint(vec4 row, JointRows joint) {
     return row.x * joint.a + row.y * joint.b + row.z * joint.c + vec4(0.0, 0.0, 0.0, row.w);

@@ -21,8 +21,7 @@ Cone clusterCone(uint number, uint copyNumber) {
 }
 
 JointRows jointRows(uint joint, uint copyNumber) {
-    uint first = (joint + FIRST_JOINT(copyNumber)) * uint(PALETTE_ROWS);
-    return JointRows(paletteRow(first), paletteRow(first + 1u), paletteRow(first + 2u));
+    return paletteJoint((joint + FIRST_JOINT(copyNumber)) * uint(PALETTE_ROWS));
 }
 
 #if CLUSTER_BOUNDS == BOUNDS_INSTANCE

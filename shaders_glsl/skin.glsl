@@ -6,9 +6,11 @@
 #if STAGED_JOINTS
 shared vec4 stagedRows[STAGED_JOINTS * PALETTE_ROWS];
 #define SKIN_ROW(i) stagedRows[i]
+#define SKIN_JOINT(first) JointRows(stagedRows[first], stagedRows[(first) + 1u], stagedRows[(first) + 2u])
 #define SKIN_FIRST_JOINT(copyNumber) 0u
 #else
 #define SKIN_ROW(i) paletteRow(i)
+#define SKIN_JOINT(first) paletteJoint(first)
 #define SKIN_FIRST_JOINT(copyNumber) FIRST_JOINT(copyNumber)
 #endif
 

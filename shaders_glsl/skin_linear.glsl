@@ -8,9 +8,10 @@ struct Blend {
 Blend startBlend(Vertex vertex, uint copyNumber) { return Blend(vec4(0.0), vec4(0.0), vec4(0.0)); }
 
 void addJoint(inout Blend blend, uint firstRow, float weight) {
-    blend.row0 += weight * SKIN_ROW(firstRow);
-    blend.row1 += weight * SKIN_ROW(firstRow + 1u);
-    blend.row2 += weight * SKIN_ROW(firstRow + 2u);
+    JointRows joint = SKIN_JOINT(firstRow);
+    blend.row0 += weight * joint.a;
+    blend.row1 += weight * joint.b;
+    blend.row2 += weight * joint.c;
 }
 
 vec3 turned(Blend blend, vec3 n) {
