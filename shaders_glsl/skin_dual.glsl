@@ -13,7 +13,7 @@ struct Blend {
 #endif
 };
 
-// The largest weight, of equal ones the lowest joint.
+#if COMMON_INFLUENCES
 void findPivot(inout uint joint, inout float largest, uvec4 joints, vec4 weights) {
     UNROLL for (uint i = 0u; i < 4u; ++i) {
         bool better = weights[i] > largest || (weights[i] == largest && joints[i] < joint);
@@ -21,17 +21,26 @@ void findPivot(inout uint joint, inout float largest, uvec4 joints, vec4 weights
         largest = better ? weights[i] : largest;
     }
 }
+#endif
 
-Blend startBlend(Vertex vertex, uint copyNumber) {
+// The joint of the largest weight, of equal ones the lowest, which is the first of a vertex, but not of a list that the
+// vertices of a meshlet share.
+uint pivotJoint(Vertex vertex) {
     uint joint = vertex.joints0.x;
+#if COMMON_INFLUENCES
     float largest = vertex.weights0.x;
     findPivot(joint, largest, vertex.joints0, vertex.weights0);
 #if INFLUENCES == 8
     findPivot(joint, largest, vertex.joints1, vertex.weights1);
 #endif
+#endif
+    return joint;
+}
+
+Blend startBlend(Vertex vertex, uint copyNumber) {
     Blend blend;
     blend.real = blend.dual = vec4(0.0);
-    blend.pivot = SKIN_ROW((joint + SKIN_FIRST_JOINT(copyNumber)) * uint(PALETTE_ROWS));
+    blend.pivot = SKIN_ROW((pivotJoint(vertex) + SKIN_FIRST_JOINT(copyNumber)) * uint(PALETTE_ROWS));
 #if PALETTE_ROWS == 5
     blend.stretch0 = blend.stretch1 = blend.stretch2 = vec4(0.0);
 #endif

@@ -40,7 +40,8 @@ struct EncodedMesh {
     uint32_t attributeStride = 0;
     Defines defines;                    // for every stage that decodes
     std::vector<uint32_t> sources;      // per vertex: vertex of the mesh that it came from; empty: itself
-    std::function<Mesh()> decode;       // null: the mesh's own attributes, bit for bit; use decodeOnCpu
+    std::function<Mesh()> decode;       // null: the mesh's own attributes, bit for bit; use decodeOnCpu. Of a vertex
+                                        // none weighs more than the first by 0.01, which rounding may do
     std::optional<CodecBounds> bounds;  // empty where decode is null, or nothing is promised
 
     // How a vertex' joints and weights are stored, as it is read for a meshlet of `meshlets`: "permutation code 7 in 32

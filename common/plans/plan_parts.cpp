@@ -33,6 +33,7 @@ Defines caseDefines(const Case& c, const PlanInput& input) {
         {"PALETTE_UNIFORM", c.shape.uniformPalette || usesPartition(c) ? "1" : "0"},
         {"PALETTE_ROWS", std::to_string(input.palette.rowsOfJoint())},
         {"STAGED_JOINTS", "0"},
+        {"COMMON_INFLUENCES", "0"},
         {"EARLY_EXIT", c.compute.earlyExit ? "1" : "0"},
         {"HALF_RATE", c.compute.halfRate ? "1" : "0"},
         {"SKINNED_PACKED", packsVertices(c.compute) ? "1" : "0"},

@@ -108,8 +108,9 @@ Signs signsTowards(const Parts& parts, const Part& pivot) {
     return signs;
 }
 
-// Of the pivot; undecided where an equally large weight would choose others that are not all of them turned round.
+// Of the pivot; undecided where a weight as large, but for rounding, would choose others that are not all turned round.
 Signs signsOf(const Parts& parts) {
+    constexpr double kRounding = 0.01;  // of weights, by codecs
     const auto before = [](const Part& a, const Part& b) {
         return a.weight != b.weight ? a.weight > b.weight : a.joint < b.joint;
     };
@@ -118,7 +119,7 @@ Signs signsOf(const Parts& parts) {
     Signs signs = signsTowards(parts, pivot);
     const uint32_t all = (1u << parts.count) - 1;
     for (auto other = parts.all.begin(); other != end; ++other) {
-        if (other->weight != pivot.weight) continue;
+        if (pivot.weight - other->weight > kRounding) continue;
         const uint32_t bits = signsTowards(parts, *other).bits;
         signs.undecided = signs.undecided || (bits != signs.bits && bits != (~signs.bits & all));
     }

@@ -61,8 +61,8 @@ Result<std::vector<glm::vec4>> paletteRows(const Skeleton& skeleton, const Palet
 void appendRows(std::vector<std::byte>& bytes, std::span<const glm::vec4> rows, RowFormat format);
 
 // In double precision from such rows. Vertices whose result hangs on a sign that rounding may turn (a quaternion within
-// 1e-4 of a right angle to the pivot, or equal largest weights that disagree about the signs) are SkinnedReference::
-// undecided.
+// 1e-4 of a right angle to the pivot, or largest weights, equal within 0.01, that disagree about the signs) are
+// SkinnedReference::undecided.
 SkinnedReference skinReference(const Mesh& mesh, std::span<const glm::vec4> rows, const PaletteForm& form);
 
 }  // namespace skinbench

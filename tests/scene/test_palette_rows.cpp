@@ -114,13 +114,15 @@ TEST_CASE("the sign of a joint's quaternion means nothing, and a right angle is 
     CHECK(error.position == 0);
 }
 
-TEST_CASE("equal weights that disagree about signs are undecided") {
+TEST_CASE("weights that are equal but for rounding and disagree about signs are undecided") {
     // Thirds of a turn: each is on the near side of one neighbour and on the far side of the other.
     const Palette palette{turnedAboutZ(0), turnedAboutZ(4 * kQuarter / 3 * 1.2), turnedAboutZ(-4 * kQuarter / 3 * 1.2)};
     const auto rows = paletteRows(skeletonOf(3), palette, kDual);
     const float third = 1.0f / 3;
-    CHECK(skinReference(oneVertex({1, 0, 0}, {{0, 1, 2, kNoJoint}, {third, third, third, 0}}), *rows, kDual)
-              .undecided[0]);
+    for (const float rounding : {0.0f, 0.002f})
+        CHECK(skinReference(oneVertex({1, 0, 0}, {{0, 1, 2, kNoJoint}, {third - rounding, third, third + rounding, 0}}),
+                            *rows, kDual)
+                  .undecided[0]);
     CHECK(
         !skinReference(oneVertex({1, 0, 0}, {{0, 1, 2, kNoJoint}, {0.4f, 0.3f, 0.3f, 0}}), *rows, kDual).undecided[0]);
 }
