@@ -6,6 +6,8 @@
 #include "commands.glsl"
 #include "triangle_tests.glsl"
 #include "verdicts.glsl"
+#define PLACES_GROUP CULL_GROUP
+#include "places.glsl"
 #if CLUSTER_CULL == CLUSTER_LIST
 layout(std430, binding = SLOT_CLUSTER) readonly restrict buffer ClusterBlock { uvec4 clusters[]; };
 layout(std430, binding = SLOT_CLUSTER_LIST) readonly restrict buffer ClusterListBlock { uint listedMeshlets[]; };
@@ -16,7 +18,6 @@ layout(local_size_x = CULL_GROUP) in;
 layout(std430, binding = SLOT_INDEX) readonly restrict buffer IndexBlock { uint sourceIndices[]; };
 layout(std430, binding = SLOT_VISIBLE) writeonly restrict buffer VisibleBlock { uint visibleIndices[]; };
 
-shared uint keptBits[CULL_GROUP / 32];
 shared uint firstPlace;
 
 bool leaveOut(uint verdict) {
@@ -70,11 +71,7 @@ void main() {
     uint list = copyNumber * uint(TRIANGLE_COUNT) * 3u;
     uint source = list + triangle * 3u;
 #endif
-    uint lane = gl_LocalInvocationID.x;
-    if (lane < uint(CULL_GROUP / 32)) keptBits[lane] = 0u;
-    memoryBarrierShared();
-    barrier();
-
+    startChoice();
     uvec3 corners = uvec3(0u);
     bool kept = false;
     if (there) {
@@ -83,18 +80,9 @@ void main() {
                        clipPosition(skinnedVertices[firstVertex + corners.y].positionU.xyz, copyNumber),
                        clipPosition(skinnedVertices[firstVertex + corners.z].positionU.xyz, copyNumber));
     }
-    if (kept) atomicOr(keptBits[lane / 32u], 1u << (lane % 32u));
-    memoryBarrierShared();
-    barrier();
-
-    uint before = uint(bitCount(keptBits[lane / 32u] & ((1u << (lane % 32u)) - 1u)));
-    uint total = 0u;
-    for (uint word = 0u; word < uint(CULL_GROUP / 32); ++word) {
-        uint count = uint(bitCount(keptBits[word]));
-        if (word < lane / 32u) before += count;
-        total += count;
-    }
-    if (lane == 0u && total > 0u)
+    uint total;
+    uint before = placeOfChosen(kept, total);
+    if (gl_LocalInvocationID.x == 0u && total > 0u)
         firstPlace = atomicAdd(commands[commandOf(copyNumber, VIEW_NUMBER)].count, total * 3u);
     memoryBarrierShared();
     barrier();

@@ -3,12 +3,12 @@
 #if STAGE_COMPUTE
 #include "cluster_tests.glsl"
 #include "commands.glsl"
+#define PLACES_GROUP LIST_GROUP
+#include "places.glsl"
 
 layout(local_size_x = LIST_GROUP) in;
 
 layout(std430, binding = SLOT_CLUSTER_LIST) writeonly restrict buffer ClusterListBlock { uint listedMeshlets[]; };
-
-shared uint drawnBits[LIST_GROUP / 32];
 
 void main() {
     uint copyNumber = gl_WorkGroupID.x + drawConstants.x;
@@ -16,20 +16,10 @@ void main() {
     uint listed = 0u;
     for (uint first = 0u; first < uint(MESHLET_COUNT); first += uint(LIST_GROUP)) {
         uint number = first + lane;
-        if (lane < uint(LIST_GROUP / 32)) drawnBits[lane] = 0u;
-        memoryBarrierShared();
-        barrier();
+        startChoice();
         bool drawn = number < uint(MESHLET_COUNT) && isClusterShown(number, copyNumber);
-        if (drawn) atomicOr(drawnBits[lane / 32u], 1u << (lane % 32u));
-        memoryBarrierShared();
-        barrier();
-        uint before = uint(bitCount(drawnBits[lane / 32u] & ((1u << (lane % 32u)) - 1u)));
-        uint total = 0u;
-        for (uint word = 0u; word < uint(LIST_GROUP / 32); ++word) {
-            uint count = uint(bitCount(drawnBits[word]));
-            if (word < lane / 32u) before += count;
-            total += count;
-        }
+        uint total;
+        uint before = placeOfChosen(drawn, total);
         if (drawn) listedMeshlets[copyNumber * uint(MESHLET_COUNT) + listed + before] = number;
         listed += total;
         memoryBarrierShared();
