@@ -83,7 +83,7 @@ bool isBackFace(OFFERED a, OFFERED b, OFFERED c) {
 }
 #endif
 
-// Stores for the legend of the view `culled` which of four triangles are drawn.
+// Stores which of four triangles are drawn.
 void storeFour(Meshlet meshlet, uint first, uint kept) {
 #if STORES_VERDICTS
     uint place = (meshlet.copyNumber * uint(MESHLET_COUNT) + meshlet.number) * uint(MESHLET_TRIANGLES / 4) + first / 4u;

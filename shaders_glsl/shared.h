@@ -32,8 +32,8 @@
 #define SLOT_CLUSTER_LIST 16  // numbers of the meshlets that are drawn, copy after copy
 #define SLOT_INSTANCE 17      // center and extent (vec4 each) of a box around each posed copy
 #define SLOT_VERDICT 18       // of verifying plans and the view `culled`: VERDICT_ of every meshlet, copy after copy;
-                              // how many triangles compute-cull leaves out by each test; and in that view, where mesh
-                              // stages cull, a word for every four triangles of a meshlet, a bit for each that is drawn
+                              // how many triangles compute-cull leaves out by each test; and where mesh stages cull,
+                              // a word for every four triangles of a meshlet, a bit for each that is drawn
 
 #define SLOT_COUNT 19
 

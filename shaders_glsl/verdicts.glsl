@@ -15,10 +15,6 @@ bool showsMeshlets(uint verdict) { return verdict == VERDICT_DRAWN; }
 bool showsTriangles(uint verdict) { return verdict == VERDICT_DRAWN; }
 #endif
 
-// Mesh stages store theirs for that view alone.
-#if VIEW == VIEW_CULLED || (CAPTURE && !STAGE_MESH)
-#define STORES_VERDICTS 1
+#if STORES_VERDICTS
 layout(std430, binding = SLOT_VERDICT) restrict buffer VerdictBlock { uint verdicts[]; };
-#else
-#define STORES_VERDICTS 0
 #endif

@@ -128,7 +128,7 @@ struct Picture {
     Image image;
     std::string fault;                 // empty: it is right
     std::optional<Accuracy> accuracy;  // empty: the fault was found before
-    std::optional<Culling> culling;    // of a case that culls; of mesh stages' back faces in View::culled alone
+    std::optional<Culling> culling;    // of a case that culls
 };
 Result<Picture> renderPicture(Workload& workload, const Case& c, Backend& backend);
 

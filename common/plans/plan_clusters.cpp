@@ -36,6 +36,7 @@ void addVerdicts(FramePlan& plan, const Case& c, const PlanInput& input, Defines
     setDefine(defines, "FIRST_COUNTED", std::to_string(counted));
     setDefine(defines, "FIRST_FOURS", std::to_string(fours));
     if (!storesVerdicts(c, input)) return;
+    setDefine(defines, "STORES_VERDICTS", "1");
     const uint64_t words = fours + meshlets * storedTriangles(c) / 4;
     plan.streams.push_back({.slot = SLOT_VERDICT, .gpuBytes = words * sizeof(uint32_t)});
 }
@@ -48,7 +49,9 @@ bool storesVerdicts(const Case& c, const PlanInput& input) {
 }
 
 uint32_t storedTriangles(const Case& c) {
-    return c.view == View::culled && c.cull != Cull::off ? declaredTriangles(c) : 0;
+    // With more views the pass that skins, and culls, is not one of the main view.
+    const bool elsewhere = c.scenario == Scenario::prepass && c.views > 1;
+    return c.cull != Cull::off && !elsewhere ? declaredTriangles(c) : 0;
 }
 
 void addClusters(FramePlan& plan, const Case& c, const PlanInput& input, const DeviceCaps& caps, Defines& defines) {

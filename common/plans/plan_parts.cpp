@@ -48,6 +48,7 @@ Defines caseDefines(const Case& c, const PlanInput& input) {
         {"DEPTH_ONLY", "0"},
         {"REUSE_SKINNED", "0"},
         {"CAPTURE", input.capture ? "1" : "0"},
+        {"STORES_VERDICTS", "0"},
         {"SPARE_OUTPUT", "0"},
     };
     defines.insert(defines.end(), input.defines.begin(), input.defines.end());
@@ -140,6 +141,7 @@ Pass startPass(const Case& c, PassKind kind, const Shown& shown) {
 void setView(Defines& defines, const Shown& shown) {
     setDefine(defines, "OTHER_VIEW", !shown.image && shown.firstView > 0 ? "1" : "0");
     if (!shown.image) setDefine(defines, "CAPTURE", "0");
+    if (!shown.image && shown.firstView > 0) setDefine(defines, "STORES_VERDICTS", "0");
 }
 
 Result<Program> makeDrawing(const Case& c, const PlanInput& input, const Shown& shown, StageFile geometry,

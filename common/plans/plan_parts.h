@@ -47,7 +47,8 @@ uint32_t numbersShown(const Case& c);
 // only.
 Pass startPass(const Case& c, PassKind kind, const Shown& shown);
 
-// What the stages of such passes see of it. Only those that make the image capture.
+// What the stages of such passes see of it. Only those that make the image capture, and only those of the main view or
+// of View::culled store verdicts.
 void setView(Defines& defines, const Shown& shown);
 
 // The program of a drawing pass: the geometry stage, and the fragment stage where it makes the image.
@@ -107,8 +108,8 @@ Pass dispatchPass(const char* label, const Case& c, const PlanInput& input, cons
 // The most triangles of a meshlet that mesh stages declare: whole fours, as packed index writes store them.
 uint32_t declaredTriangles(const Case& c);
 
-// Whether a plan of the case has SLOT_VERDICT, and for how many triangles of a meshlet it stores whether they are
-// drawn.
+// Whether a plan of the case has SLOT_VERDICT, and for how many triangles of a meshlet it then stores whether they are
+// drawn: 0 where no mesh stage of the main view culls.
 bool storesVerdicts(const Case& c, const PlanInput& input);
 uint32_t storedTriangles(const Case& c);
 

@@ -78,6 +78,8 @@ Result<void> addMeshPass(FramePlan& plan, MeshPass kind, const Case& c, const Pl
                          Defines defines, const Shown& shown) {
     setDefine(defines, "PREPASS", kind == MeshPass::keeps ? "1" : "0");
     setDefine(defines, "REUSE_SKINNED", kind == MeshPass::reads ? "1" : "0");
+    // The first pass of a pre-pass has stored them.
+    if (kind == MeshPass::reads && c.scenario == Scenario::prepass) setDefine(defines, "STORES_VERDICTS", "0");
     auto program = makeDrawing(c, input, shown, {Stage::mesh, "mesh.glsl"}, std::move(defines));
     SKINBENCH_TRY(program);
     Pass pass = startPass(c, PassKind::drawMesh, shown);

@@ -5,6 +5,7 @@
 #include <array>
 #include <cstdio>
 #include <optional>
+#include <utility>
 
 #include "common/frame/image.h"
 #include "common/measure/bench.h"
@@ -127,6 +128,83 @@ TEST_CASE("every kind of bounds leaves out some, none too much, and tighter ones
     }
 }
 
+namespace {
+
+// What a verifying plan of the case counts.
+Culling countsOf(Workload& workload, const Case& c) {
+    INFO(caseId(c));
+    const auto picture = renderPicture(workload, c, backendOf(c));
+    REQUIRE(picture);
+    CHECK(picture->fault == "");
+    CHECK(backendOf(c).takeMessages().empty());
+    return picture->culling.value_or(Culling{});
+}
+
+}  // namespace
+
+TEST_CASE("triangles that mesh stages drop are counted, as many as compute-cull drops and positions turn away") {
+    if (!anyDriver()) SKIP("no Vulkan and no OpenGL driver on this machine");
+    constexpr uint32_t kCopies = 6;
+    Workload workload = cameraWorkload(tinyScene(), Camera::half, kCopies);
+    const uint64_t all = workload.stored.mesh.indices.size() / 3 * kCopies;
+    bool first = true;
+    for (Case c : onEveryRoute("mesh")) {
+        INFO(caseId(c));
+        Case listed = makeCase(c.route->api == Api::vulkan ? "vk" : "gl", "compute-cull");
+        listed.triangleTests = TEST_BACK;
+        const LeftOut back = countsOf(workload, listed).triangleBack;
+        CHECK(back.count <= back.possible);
+        CHECK(back.count * 100 > back.possible * 98);
+        const auto check = [&](const Case& culling) {
+            if (unsupported(culling, backendOf(culling).caps())) return;
+            INFO(caseId(culling));
+            const Culling counts = countsOf(workload, culling);
+            CHECK(counts.triangles == all);
+            CHECK(counts.triangleBack.possible == back.possible);
+            // Torabi's form leaves nothing that is in doubt.
+            if (culling.cull != Cull::torabi) CHECK(counts.triangleBack.count == back.count);
+            if (culling.cull == Cull::torabi) CHECK(counts.triangleBack.count >= back.count);
+        };
+        for (Cull cull : {Cull::compact, Cull::primitive, Cull::torabi}) {
+            c.cull = cull;
+            check(c);
+        }
+        if (!std::exchange(first, false)) continue;
+        c.cull = Cull::compact;
+        Case other = c;
+        other.submission = Submission::batched;
+        other.vertexWrites = VertexWrites::last;
+        check(other);
+        other = c;
+        other.scenario = Scenario::prepass;
+        check(other);
+        // Those of meshlets that are drawn.
+        other = c;
+        other.variant = findVariant("compute-mesh");
+        other.clusterCull = ClusterCull::list;
+        const Culling counts = countsOf(workload, other);
+        CHECK(counts.triangles > 0);
+        CHECK(counts.triangles < all);
+        CHECK(counts.triangleBack.count > 0);
+        CHECK(counts.triangleBack.count <= counts.triangleBack.possible);
+    }
+}
+
+TEST_CASE("triangles are counted by the shader that drops them") {
+    if (!anyDriver()) SKIP("no Vulkan and no OpenGL driver on this machine");
+    Workload workload = cameraWorkload(tinyScene(), Camera::half, 2);
+    std::string& text = workload.shaders.files.at("cull.glsl");
+    const std::string test = "facesAway(a, b, c)";
+    text.replace(text.find(test), test.size(), "false");
+    for (Case c : onEveryRoute("mesh")) {
+        c.cull = Cull::compact;
+        const Culling counts = countsOf(workload, c);
+        CHECK(counts.triangles > 0);
+        CHECK(counts.triangleBack.count == 0);
+        CHECK(counts.triangleBack.possible > 0);
+    }
+}
+
 TEST_CASE("bounds that are too small fail the case") {
     if (!anyDriver()) SKIP("no Vulkan and no OpenGL driver on this machine");
     Workload workload = cameraWorkload(tinyScene(), Camera::half, 12);
@@ -195,7 +273,6 @@ void checkSameCounts(Workload& workload, const Case& c, const Culling& culled) {
     CHECK(culled.meshlets == plain.meshlets);
     CHECK(culled.frustum.count == plain.frustum.count);
     CHECK(culled.cone.count == plain.cone.count);
-    if (!c.variant->listsTriangles) return;
     CHECK(culled.triangles == plain.triangles);
     CHECK(culled.triangleFrustum.count == plain.triangleFrustum.count);
     CHECK(culled.triangleBack.count == plain.triangleBack.count);

@@ -194,6 +194,34 @@ TEST_CASE("the view of culling has a pass for each verdict, what is drawn first,
     }
 }
 
+TEST_CASE("of a verifying plan the first pass of the main view says which triangles mesh stages drop") {
+    Workload workload = tinyWorkload(3);
+    for (Scenario scenario : {Scenario::direct, Scenario::prepass})
+        for (uint32_t views : {1, 2})
+            for (bool differs : {false, true}) {
+                Case c = makeCase("vk-ext", "mesh");
+                c.cull = Cull::compact;
+                c.scenario = scenario;
+                c.views = views;
+                DeviceCaps caps = generousCaps(Api::vulkan);
+                caps.meshDepthDiffers = differs;
+                INFO(caseId(c));
+                const FramePlan plan = planOf(workload, c, caps, true);
+                std::vector<std::string> labels;
+                for (const Pass& pass : plan.passes)
+                    for (const ShaderText& stage : plan.programs[pass.program].stages)
+                        if (stage.stage == Stage::mesh && stage.text.contains("#define STORES_VERDICTS 1\n"))
+                            labels.push_back(pass.label);
+                const bool prepass = scenario == Scenario::prepass;
+                // There the pass that culls is one of the other view.
+                const bool none = prepass && views > 1;
+                CHECK(labels ==
+                      (none ? std::vector<std::string>{} : std::vector<std::string>{prepass ? "depth" : "draw"}));
+                CHECK((streamOf(plan, SLOT_VERDICT) == nullptr) == none);
+                for (const Stream& stream : planOf(workload, c, caps).streams) CHECK(stream.slot != SLOT_VERDICT);
+            }
+}
+
 TEST_CASE("each view's triangles are counted in commands of their own") {
     Workload workload = tinyWorkload(3);
     for (Submission submission : {Submission::perCopy, Submission::batched}) {
