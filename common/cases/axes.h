@@ -108,7 +108,7 @@ Result<std::vector<Case>> crossCases(const AxisWords& words);
 // The same from given cases, over the named axes alone.
 Result<std::vector<Case>> crossCases(std::vector<Case> cases, const AxisWords& words);
 
-// What was named and is in none of the cases, one entry an axis.
+// What was named and is in none of the cases, one entry for all words of an axis with one reason.
 struct Unused {
     std::string axis, option;        // "variant", "--variants"
     std::vector<std::string> words;  // as they were given

@@ -3,6 +3,7 @@
 #include <format>
 
 #include "common/cases/axes.h"
+#include "common/plans/plan.h"
 
 namespace skinbench {
 namespace {
@@ -52,12 +53,14 @@ void addOnce(std::vector<std::string>& names, const std::string& name) {
     if (std::ranges::find(names, name) == names.end()) names.push_back(name);
 }
 
-// Where an axis means something, whatever the device, when all others have their usual values.
+// Where an axis means something, or a word of it can be drawn, on the best of devices, when all others have their usual
+// values.
 struct Home {
     std::vector<std::string> routes, variants;
+    bool operator==(const Home&) const = default;
 };
 
-Home homeOf(const Axis& axis) {
+Home homeOf(const Axis& axis, const std::string* word = nullptr) {
     Home home;
     for (const Route& route : routes())
         for (const Variant& variant : variants()) {
@@ -66,21 +69,27 @@ Home homeOf(const Axis& axis) {
             c.variant = &variant;
             c.codec = findCodec("uc");
             if (!runsOn(variant, route) || !axis.applies(c)) continue;
+            if (word && (!axis.set(c, *word) || unsupported(c, unlimitedCaps(route.api)))) continue;
             addOnce(home.routes, route.name);
             addOnce(home.variants, variant.name);
         }
     return home;
 }
 
-std::string needsOf(const Axis& axis, const std::vector<Case>& cases) {
+// "--queues needs vk, vk-ext or gl", or "--queues async needs vk": what the word of the axis lacks.
+std::string reasonOf(const Axis& axis, const std::string& word, const std::vector<Case>& cases) {
+    const std::string option = "--" + axis.option.name;
     if (!axis.beside.empty()) {
         const Axis& other = *findAxis(axis.beside);
-        return std::format("means nothing beside --{} {}", other.option.name, other.usual);
+        return std::format("{} means nothing beside --{} {}", option, other.option.name, other.usual);
     }
-    const Home home = homeOf(axis);
+    const Home any = homeOf(axis), own = homeOf(axis, &word);
+    const bool narrower = !own.routes.empty() && own != any;
+    const Home& home = narrower ? own : any;
     const bool onRoute = std::ranges::any_of(
         cases, [&](const Case& c) { return std::ranges::find(home.routes, c.route->name) != home.routes.end(); });
-    return onRoute ? "needs the variant " + anyOf(home.variants) : "needs " + anyOf(home.routes);
+    return option + (narrower ? " " + word : "") + " needs " +
+           (onRoute ? "the variant " + anyOf(home.variants) : anyOf(home.routes));
 }
 
 // The other half of the pairs of route and variant that exist.
@@ -106,21 +115,22 @@ std::vector<Unused> unusedWords(const AxisWords& words, const std::vector<Case>&
         const std::vector<std::string>* const named = namedWords(words, axis);
         if (!named) continue;
         const bool alone = axis.name == "route" || axis.name == "variant" || axis.name == "codec";
-        Unused whole{axis.name, "--" + axis.option.name, {}, {}};
+        const std::string option = "--" + axis.option.name;
+        const size_t first = unused.size();  // of this axis
         for (const std::string& word : *named) {
             Case scratch;
             const bool used = axis.set(scratch, word) && std::ranges::any_of(cases, [&](const Case& c) {
                                   return axis.applies(c) && axis.get(c) == axis.get(scratch);
                               });
             if (used) continue;
-            if (alone)
-                unused.push_back({axis.name, whole.option, {word}, word + " " + needsOfPath(axis, word)});
+            const std::string reason = alone ? word + " " + needsOfPath(axis, word) : reasonOf(axis, word, cases);
+            const auto known = std::find_if(unused.begin() + static_cast<std::ptrdiff_t>(first), unused.end(),
+                                            [&](const Unused& other) { return other.reason == reason; });
+            if (known == unused.end())
+                unused.push_back({axis.name, option, {word}, reason});
             else
-                whole.words.push_back(word);
+                known->words.push_back(word);
         }
-        if (whole.words.empty()) continue;
-        whole.reason = whole.option + " " + needsOf(axis, cases);
-        unused.push_back(std::move(whole));
     }
     return unused;
 }

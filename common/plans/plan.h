@@ -28,6 +28,9 @@ struct PlanInput {
 // Nothing when the device can run the case, else the reason as the user reads it.
 std::optional<std::string> unsupported(const Case& c, const DeviceCaps& caps);
 
+// The best of devices of the API: what it cannot run, none can.
+DeviceCaps unlimitedCaps(Api api);
+
 // Fails with the reason when the device cannot hold what the copies need.
 Result<FramePlan> makePlan(const Case& c, const PlanInput& input, const DeviceCaps& caps);
 

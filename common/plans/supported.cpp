@@ -63,6 +63,19 @@ static std::optional<std::string> unsupportedMeshlets(const Case& c, const Devic
     return unsupportedOptions(c, caps);
 }
 
+DeviceCaps unlimitedCaps(Api api) {
+    DeviceCaps caps;
+    caps.api = api;
+    caps.timestampBits = 64;
+    caps.ext = {true, UINT32_MAX, UINT32_MAX, UINT32_MAX, UINT32_MAX, UINT32_MAX, UINT32_MAX, 0, true};
+    caps.nv = caps.ext;
+    caps.subgroupSize = Case{}.groupSize;
+    caps.meshSubgroups = true;
+    caps.secondQueue = api == Api::vulkan;  // an OpenGL context has one queue
+    caps.storageBlocksVertex = UINT32_MAX;
+    return caps;
+}
+
 bool canShuffle(const Case& c, const DeviceCaps& caps) {
     return caps.meshSubgroups && caps.subgroupSize == c.groupSize;
 }

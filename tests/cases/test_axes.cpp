@@ -216,6 +216,19 @@ TEST_CASE("words that no case has are reported with what they need") {
     CHECK(reasonsOf({{"route", {"vk-ext"}}, {"index_writes", {"single"}}}) == "--index-writes needs vk-nv or gl-nv\n");
     CHECK(reasonsOf({{"route", {"vk-ext"}}, {"exchange", {"shared"}}}) ==
           "--exchange means nothing beside --cull off\n");
+    // A word that fewer routes have than others of its axis.
+    CHECK(reasonsOf({{"route", {"cpu"}}, {"queues", {"async"}}}) == "--queues async needs vk, vk-ext or vk-nv\n");
+    CHECK(reasonsOf({{"route", {"cpu"}}, {"queues", {"one"}}}) ==
+          "--queues needs vk, vk-ext, vk-nv, gl, gl-ext or gl-nv\n");
+    CHECK(reasonsOf({{"route", {"gl"}}, {"variant", {"vertex"}}, {"queues", {"one", "async"}}}) ==
+          "--queues needs the variant compute, compute-cull or compute-mesh\n"
+          "--queues async needs vk, vk-ext or vk-nv\n");
+    CHECK(reasonsOf({{"route", {"vk"}}, {"variant", {"vertex"}}, {"cluster_cull", {"off", "list", "task"}}}) ==
+          "--cluster-cull needs the variant compute-cull, mesh, mesh-ci or compute-mesh\n"
+          "--cluster-cull task needs vk-ext, vk-nv, gl-ext or gl-nv\n");
+    CHECK(reasonsOf({{"route", {"gl"}}, {"cull", {"primitive"}}}) == "--cull primitive needs vk-ext or gl-ext\n");
+    CHECK(reasonsOf({{"route", {"cpu"}}, {"zero_weights", {"count"}}}) ==
+          "--zero-weights count needs vk-ext, vk-nv, gl-ext or gl-nv\n");
     CHECK(reasonsOf({{"meshlet_limits", {"64/124", "meshopt"}}, {"cull", {"compact", "off"}}}).empty());
     CHECK(reasonsOf({}).empty());
 }
