@@ -91,7 +91,6 @@ Result<std::unique_ptr<Drawer>> openDrawer(RenderOptions& options) {
     for (const Case& c : *cases) needed.push_back(c.route);
 
     settings->yaw = settings->copies == 1 ? options.yaw : 0;
-    settings->steady = true;
     auto devices = openDevices(needed, options.selectors.device, options.selectors.validation);
     SKINBENCH_TRY(devices);
     auto workload = openWorkload(options.selectors.scene, *settings);

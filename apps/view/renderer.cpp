@@ -77,9 +77,7 @@ void drop(Lane& lane) {
 Result<void> loadWorkload(Work& work, const ViewState& state) {
     if (work.workload && work.scene == state.scene) return {};
     if (work.refused == state.scene) return std::unexpected(work.why);
-    WorkloadSettings settings;
-    settings.steady = true;
-    auto workload = attempt([&] { return openWorkload(state.scene, settings); });
+    auto workload = attempt([&] { return openWorkload(state.scene, {}); });
     if (workload)
         if (auto prepared = attempt([&] { return sceneFor(*workload, 4); }); !prepared)
             workload = std::unexpected(prepared.error());

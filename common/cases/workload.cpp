@@ -49,20 +49,6 @@ static float momentOf(const WorkloadSettings& settings, const Clip* clip, uint32
     return static_cast<float>(settings.seconds + (settings.animated ? frame / 60.0 : 0) + offset);
 }
 
-// Of the frames that a run draws first; later ones repeat the clip.
-static std::vector<float> drawnMoments(const WorkloadSettings& settings, const Clip* clip) {
-    constexpr uint32_t kFrames = 120;
-    std::vector<float> moments;
-    if (settings.steady) {
-        for (uint32_t frame = 0; frame < kFrames; ++frame) moments.push_back(static_cast<float>(frame / 60.0));
-        return moments;
-    }
-    for (uint32_t frame = 0; frame < (settings.animated ? kFrames : 1); ++frame)
-        for (uint32_t phase = 0; phase < std::min(settings.copies, kPhases); ++phase)
-            moments.push_back(momentOf(settings, clip, phase, frame));
-    return moments;
-}
-
 Result<const Scene*> sceneFor(Workload& workload, int influences) {
     std::unique_ptr<Scene>& kept = workload.prepared[influences];
     if (!kept) {
@@ -79,9 +65,7 @@ Result<Framing> framingOf(Workload& workload, int influences) {
     auto scene = sceneFor(workload, influences);
     SKINBENCH_TRY(scene);
     const WorkloadSettings& settings = workload.settings;
-    const Clip* clip = chosenClip(workload);
-    if (!workload.bounds.contains(influences))
-        workload.bounds[influences] = clipBounds(**scene, clip, drawnMoments(settings, clip));
+    if (!workload.bounds.contains(influences)) workload.bounds[influences] = clipBounds(**scene, chosenClip(workload));
     return Framing{
         workload.bounds[influences], settings.copies, settings.width, settings.height, settings.yaw, settings.camera,
         settings.characterPixels};

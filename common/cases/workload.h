@@ -24,7 +24,6 @@ struct WorkloadSettings {
     float yaw = 0;
     Camera camera = Camera::crowd;
     float characterPixels = 0;  // of Camera::crowd: how tall a character is drawn; 0: so that all are in view
-    bool steady = false;        // the camera is the same at every moment of the clip: `seconds` does not move it
     CameraMove move;            // of every view, from where it usually is
 };
 
@@ -56,7 +55,8 @@ const Clip* chosenClip(const Workload& workload);
 // Another clip of the scene. Fails as makeWorkload does, and changes nothing then.
 Result<void> chooseClip(Workload& workload, const std::string& clip);
 
-// How the settings place the copies of the scene as it is prepared for so many influences.
+// How the settings place the copies of the scene as it is prepared for so many influences: the same at every moment of
+// the clip, and however many copies and frames are drawn.
 Result<Framing> framingOf(Workload& workload, int influences);
 
 // Copies run through the clip with sixteen different offsets, so that neighbours differ and a wrong copy number shows.

@@ -84,8 +84,11 @@ std::vector<JointBox> merged(const std::vector<std::vector<JointBox>>& blocks, s
     return used;
 }
 
-std::vector<float> momentsOf(const Scene& scene, const Clip& clip, std::span<const float> frames) {
-    std::set<float> all(frames.begin(), frames.end());
+std::vector<float> momentsOf(const Scene& scene, const Clip& clip) {
+    std::set<float> all;
+    const size_t frames = static_cast<size_t>(std::min(clip.duration * 60.0, static_cast<double>(kMaxMoments)));
+    for (size_t frame = 0; frame <= frames; ++frame)
+        all.insert(std::min(static_cast<float>(static_cast<double>(frame) / 60.0), clip.duration));
     for (const Channel& channel : clip.channels)
         for (const float time : channel.times) all.insert(std::clamp(time, 0.0f, clip.duration));
     const size_t nodes = std::max<size_t>(scene.skeleton.nodes.size(), 1);
@@ -104,7 +107,7 @@ std::vector<float> momentsOf(const Scene& scene, const Clip& clip, std::span<con
 
 }  // namespace
 
-Bounds clipBounds(const Scene& scene, const Clip* clip, std::span<const float> frames) {
+Bounds clipBounds(const Scene& scene, const Clip* clip) {
     const Mesh& mesh = scene.mesh;
     if (!clip || mesh.positions.empty()) return posedBounds(mesh, poseScene(scene, clip, 0));
     std::vector<std::vector<JointBox>> blocks;
@@ -112,7 +115,7 @@ Bounds clipBounds(const Scene& scene, const Clip* clip, std::span<const float> f
         blocks.push_back(jointBoxes(mesh, first, std::min(first + kBlock, mesh.positions.size())));
     const std::vector<JointBox> whole = merged(blocks, scene.skeleton.joints.size());
     Box bounds;
-    for (const float seconds : momentsOf(scene, *clip, frames)) {
+    for (const float seconds : momentsOf(scene, *clip)) {
         const Palette palette = poseScene(scene, clip, seconds);
         if (holds(bounds, around(whole, palette))) continue;
         for (size_t block = 0; block < blocks.size(); ++block) {

@@ -204,6 +204,17 @@ TEST_CASE("every copy stands inside the view, the first one at the top left") {
             }
 }
 
+TEST_CASE("the camera is that of the whole clip, whatever moment and however many copies are drawn") {
+    Workload run = workloadOf(tinyScene(), {.animated = true, .copies = 7});
+    Workload picture = workloadOf(tinyScene(), {.animated = false, .seconds = 1.3f, .copies = 7});
+    CHECK(frameOf(run, 0).constants.viewProjection == frameOf(picture, 0).constants.viewProjection);
+    CHECK(frameOf(run, 0).constants.grid == frameOf(picture, 0).constants.grid);
+    Workload one = workloadOf(tinyScene(), {});
+    frameOf(one, 0);
+    CHECK(one.bounds.at(4).min == run.bounds.at(4).min);
+    CHECK(one.bounds.at(4).max == run.bounds.at(4).max);
+}
+
 TEST_CASE("copies go right and down, and y points down") {
     Workload workload = tinyWorkload(7);
     const FrameData frame = frameOf(workload, 0);
