@@ -75,11 +75,12 @@ Look fromTheFront(const Framing& framing, const Grid& grid, uint32_t view) {
     return {eye, grid.target, fieldOfView, distance * 0.2f, distance * 2 + grid.depth * 2};
 }
 
-// Just before the middle of the grid, whose copies stand in one plane, and nearly along it. The other views look ever
-// more towards the plane, the last one along it the other way.
+// Just before the middle of the grid, whose copies stand in one plane, and nearly along it; where a row is so short
+// that the view would pass by its end, towards that end. The other views look ever more towards the plane, the last one
+// along it the other way.
 Look fromInside(const Grid& grid, uint32_t view) {
     const glm::vec3 eye = grid.target + glm::vec3(0, 0, grid.depth);
-    constexpr float towards = 0.25f;
+    const float towards = std::max(0.25f, grid.depth / (grid.columns * grid.cellWidth * 0.5f));
     const float turn = view * (glm::pi<float>() - 2 * std::atan(towards)) / (MOST_VIEWS - 1);
     const glm::vec3 along = glm::normalize(
         glm::vec3(std::cos(turn) - towards * std::sin(turn), 0, -std::sin(turn) - towards * std::cos(turn)));

@@ -11,7 +11,8 @@ namespace skinbench {
 
 // crowd:  every copy is in the view.
 // half:   the view is half of crowd's area: about half of the copies lie outside, and many are cut by its edges.
-// inside: from the middle of the crowd along its rows: near copies are larger than the view, most are outside.
+// inside: from the middle of the crowd along its rows, or towards their end where they are short: near copies are
+//         larger than the view, of a large crowd most are outside.
 // close:  all copies at one place, which fills the view.
 enum class Camera { crowd, half, inside, close };
 
