@@ -367,6 +367,30 @@ TEST_CASE("render writes a PNG file of the asked size") {
     CHECK(bytes->substr(16, 8) == std::string("\0\0\0\x60\0\0\0\x40", 8));
 }
 
+TEST_CASE("a picture of what is culled counts what a result file counts") {
+    const Words scene = {"builtin:robot:2000", "--copies", "7", "--size", "320x180", "--camera", "half"};
+    const auto with = [&](const char* subcommand, const Words& more) {
+        Words words = {subcommand};
+        words.insert(words.end(), scene.begin(), scene.end());
+        words.insert(words.end(), more.begin(), more.end());
+        return call(words);
+    };
+    const Outcome drawn = with("render", {"--case", "vk/compute-cull/uc+view-culled", "-o", "culled.png"});
+    INFO(drawn.err);
+    if (drawn.err.contains("Vulkan: ")) SKIP("no Vulkan driver on this machine");
+    const Outcome verified = with("verify", {"--case", "vk/compute-cull/uc", "--json"});
+    INFO(verified.err);
+    const json counts = json::parse(verified.out, nullptr, false)["cases"][0]["culling"];
+    REQUIRE(counts.is_object());
+    for (const auto& [name, key] : {std::pair{"outside of the view", "triangles_frustum"},
+                                    {"back faces", "triangles_back"},
+                                    {"too small", "triangles_small"}}) {
+        CHECK(counts[key] > 0);
+        CHECK_THAT(drawn.err, ContainsSubstring(std::string(name) + ": " + counts[key].dump() + " of " +
+                                                counts["triangles"].dump() + " triangles"));
+    }
+}
+
 TEST_CASE("render draws a clip as files, one after the other, or as one file, with what two cases differ by") {
     const json found = json::parse(call({"probe", "--json"}).out, nullptr, false);
     REQUIRE(found.is_object());
