@@ -98,9 +98,9 @@ TEST_CASE("every case is right on every route, and the images agree") {
     size_t others = 0;
     for (const Case& c : everyCase()) {
         if (c.view != View::shaded || !known.insert(caseId(c)).second) continue;
-        // All options with one codec and API, and a third of them elsewhere; glslang sees all (test_shaders.cpp).
+        // All options with one codec and API, and a fifth of them elsewhere; glslang sees all (test_shaders.cpp).
         const bool all = !caseId(c).contains('+') || (c.codec == findCodec("uc") && c.route->api == Api::vulkan);
-        if (all || others++ % 3 == 0) cases.push_back(c);
+        if (all || others++ % 5 == 0) cases.push_back(c);
     }
     INFO(cases.size() << " cases");
     CHECK(requireVerified(workload, cases) > 200);
@@ -160,12 +160,13 @@ Scene posedScene(const std::string& name, Mesh mesh) {
 
 TEST_CASE("degenerate meshes are right with every codec, as meshlets and as vertices") {
     if (!anyDriver()) SKIP("no Vulkan and no OpenGL driver on this machine");
-    std::vector<Case> cases;
+    std::vector<Case> all;
     for (const Case& c : plainCases(4, true)) {
         const bool mesh = c.route == findRoute("vk-ext") && c.variant == findVariant("mesh");
         const bool vertex = c.route == findRoute("vk") && c.variant == findVariant("vertex");
-        if (mesh || vertex) cases.push_back(c);
+        if (mesh || vertex) all.push_back(c);
     }
+    size_t number = 0;
     auto meshes = test::degenerateMeshes();
     meshes.emplace_back("every joint", test::everyJointMesh());
     for (auto& [name, mesh] : meshes) {
@@ -176,9 +177,13 @@ TEST_CASE("degenerate meshes are right with every codec, as meshlets and as vert
         settings.height = 180;
         auto workload = makeWorkload(posedScene(name, std::move(mesh)), testShaders(), settings);
         REQUIRE(workload);
+        // Half of them with each mesh, the other half with the next; tests of the codecs see all.
+        std::vector<Case> cases;
+        for (size_t i = number++ % 2; i < all.size(); i += 2) cases.push_back(all[i]);
         // oss22 counts 1024 tuples.
-        const size_t fewer = name == "every joint" ? 2 : 0;
-        if (openedBackends().at(Api::vulkan).backend) CHECK(requireVerified(*workload, cases) + fewer == cases.size());
+        const auto fewer = name != "every joint" ? 0 : std::ranges::count(cases, findCodec("oss22"), &Case::codec);
+        if (openedBackends().at(Api::vulkan).backend)
+            CHECK(requireVerified(*workload, cases) + static_cast<size_t>(fewer) == cases.size());
     }
 }
 
