@@ -64,8 +64,8 @@ inline Running start(const Words& words, const Words& environment = {}, const st
     posix_spawn_file_actions_addopen(&actions, 1, running.outFile.c_str(), flags, 0600);
     posix_spawn_file_actions_addopen(&actions, 2, running.errFile.c_str(), flags, 0600);
     posix_spawn_file_actions_addchdir_np(&actions, fixture::temporaryFolder().c_str());
-    const int failed = posix_spawn(&running.pid, path, &actions, nullptr, pointers(arguments).data(),
-                                   pointers(variables).data());
+    const int failed =
+        posix_spawn(&running.pid, path, &actions, nullptr, pointers(arguments).data(), pointers(variables).data());
     posix_spawn_file_actions_destroy(&actions);
     REQUIRE(failed == 0);
     return running;
@@ -106,6 +106,21 @@ inline void checkRefused(const Outcome& outcome, int status, const std::string& 
     CHECK(lines[0].starts_with("skinbench: "));
     CHECK(lines[0].size() < 500);
     CHECK_THAT(lines[0], Catch::Matchers::ContainsSubstring(part));
+}
+
+struct BadCall {
+    Words words;
+    int status;
+    const char* part;  // of the message
+};
+
+inline void checkRefused(const std::vector<BadCall>& calls) {
+    for (const BadCall& bad : calls) {
+        std::string line;
+        for (const std::string& word : bad.words) line += " " + word;
+        INFO("skinbench" << line);
+        checkRefused(call(bad.words), bad.status, bad.part);
+    }
 }
 
 }  // namespace program

@@ -85,6 +85,22 @@ struct Subject {
     Api api() const { return backend->caps().api; }
 };
 
+inline bool onlyUpperHalf(const Image& image, uint32_t color) {
+    const size_t lit = countOf(image, color), all = size_t{image.width} * image.height;
+    return upperHalf(image) == color && lowerHalf(image) == kBackground && lit + countOf(image, kBackground) == all &&
+           lit * 2 > all - 2 * image.width && lit * 2 < all + 2 * image.width;
+}
+
+inline bool nothingDrawn(const Image& image) {
+    return countOf(image, kBackground) == size_t{image.width} * image.height;
+}
+
+inline std::vector<RunMode> drawingModes(const Subject& subject) {
+    std::vector<RunMode> modes = {RunMode::timed, RunMode::overlap, RunMode::batch};
+    if (subject.backend->caps().pipelineStatistics) modes.push_back(RunMode::counted);
+    return modes;
+}
+
 inline void checkOneSentence(const Error& error, Fault fault, const std::string& text) {
     CHECK(error.fault == fault);
     CHECK(error.text == text);
