@@ -1,4 +1,3 @@
-#include <cstdlib>
 #include <cstring>
 #include <filesystem>
 #include <format>
@@ -31,19 +30,10 @@ uint64_t hashBytes(std::string_view data) {
 
 // Empty: there is nowhere to keep it.
 fs::path cacheFile(const Device& device) {
-    const char* cache = std::getenv("XDG_CACHE_HOME");
-    const char* home = std::getenv("HOME");
-    fs::path folder;
-    if (cache && *cache == '/')
-        folder = cache;
-    else if (home && *home)
-        folder = fs::path(home) / ".cache";
-    else
-        return {};
     const VkPhysicalDeviceProperties& p = device.adapter.properties;
     std::string name = std::format("vulkan-{:04x}-{:04x}-{:08x}-", p.vendorID, p.deviceID, p.driverVersion);
     for (uint8_t byte : p.pipelineCacheUUID) name += std::format("{:02x}", byte);
-    return folder / "skinbench" / (name + ".bin");
+    return userFile("XDG_CACHE_HOME", ".cache", name + ".bin");
 }
 
 bool isOfThisDevice(const Device& device, std::string_view data) {

@@ -8,6 +8,7 @@
 #include <algorithm>
 #include <cerrno>
 #include <charconv>
+#include <cstdlib>
 #include <cstring>
 #include <filesystem>
 #include <format>
@@ -174,6 +175,13 @@ Result<std::string> readWholeFile(const std::string& path) {
     }
     bytes.resize(filled);
     return bytes;
+}
+
+std::string userFile(const char* variable, const char* folder, const std::string& name) {
+    const char* given = std::getenv(variable);
+    const char* home = std::getenv("HOME");
+    if (given && *given == '/') return std::string(given) + "/skinbench/" + name;
+    return home && *home ? std::format("{}/{}/skinbench/{}", home, folder, name) : "";
 }
 
 }  // namespace skinbench

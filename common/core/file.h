@@ -22,4 +22,9 @@ Result<void> checkOutput(const std::string& path, std::span<const std::string> i
 // A pipe is read to its end. At most 1 GiB.
 Result<std::string> readWholeFile(const std::string& path);
 
+// The program's file of that name among the user's own, as the XDG Base Directory Specification has it:
+// $VARIABLE/skinbench/NAME, or ~/FOLDER/skinbench/NAME where the variable holds no absolute path. Empty: there is no
+// home.
+std::string userFile(const char* variable, const char* folder, const std::string& name);
+
 }  // namespace skinbench

@@ -166,6 +166,21 @@ TEST_CASE("a symbolic link is neither replaced nor followed") {
     CHECK(!fs::exists(folder / "nowhere"));
 }
 
+TEST_CASE("a file of the user lies where the variable says, else below the home") {
+    const std::string home = std::getenv("HOME") ? std::getenv("HOME") : "";
+    setenv("HOME", "/home/me", 1);
+    setenv("SKINBENCH_FOLDER", "/some/where", 1);
+    CHECK(userFile("SKINBENCH_FOLDER", ".config", "a.json") == "/some/where/skinbench/a.json");
+    for (const char* none : {"", "relative"}) {
+        setenv("SKINBENCH_FOLDER", none, 1);
+        CHECK(userFile("SKINBENCH_FOLDER", ".config", "a.json") == "/home/me/.config/skinbench/a.json");
+    }
+    unsetenv("SKINBENCH_FOLDER");
+    unsetenv("HOME");
+    CHECK(userFile("SKINBENCH_FOLDER", ".config", "a.json").empty());
+    setenv("HOME", home.c_str(), 1);
+}
+
 TEST_CASE("an output is checked before there is anything to write") {
     const fs::path folder = freshFolder("check");
     const std::string a = (folder / "a").string();
