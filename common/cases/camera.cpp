@@ -92,21 +92,27 @@ Look lookOf(const Framing& framing, const Grid& grid, uint32_t view) {
     return framing.camera == Camera::inside ? fromInside(grid, view) : fromTheFront(framing, grid, view);
 }
 
-// From the right and above, as near as all copies fit: what cameras leave out lies beside, behind and far from them.
+// What cameras leave out lies beside, behind and far from them. An eye that has a corner of the grid inside an edge of
+// the image is at least as far, along `towards` and away from the edge, as the corner is: four such bounds, the largest
+// of all corners, give the nearest eye.
 Look fromAside(const Framing& framing, const Grid& grid) {
-    const float turn = glm::radians(framing.yaw + 50), pitch = glm::radians(15.0f), fieldOfView = glm::radians(20.0f);
+    const float turn = glm::radians(framing.yaw + 35), pitch = glm::radians(15.0f), fieldOfView = glm::radians(20.0f);
     const glm::vec3 towards(std::cos(pitch) * std::sin(turn), std::sin(pitch), std::cos(pitch) * std::cos(turn));
     const glm::vec3 right(std::cos(turn), 0, -std::sin(turn)), up = glm::cross(towards, right);
     const glm::vec3 half = glm::vec3(grid.columns * grid.cellWidth, grid.rows * grid.cellHeight, grid.depth) * 0.5f;
-    const float tangent = std::tan(fieldOfView * 0.5f);
-    float distance = 0;
+    const float slopeUp = std::tan(fieldOfView * 0.5f), slopeRight = slopeUp * aspectOf(framing);
+    float atRight = 0, atLeft = 0, atTop = 0, atBottom = 0;
     for (int i = 0; i < 8; ++i) {
         const glm::vec3 corner = half * glm::vec3(i & 1 ? 1 : -1, i & 2 ? 1 : -1, i & 4 ? 1 : -1);
-        const float across = std::abs(glm::dot(corner, right)) / aspectOf(framing);
-        const float reach = std::max(across, std::abs(glm::dot(corner, up)));
-        distance = std::max(distance, glm::dot(corner, towards) + reach / tangent);
+        const float x = glm::dot(corner, right), y = glm::dot(corner, up), z = glm::dot(corner, towards);
+        atRight = std::max(atRight, z * slopeRight + x);
+        atLeft = std::max(atLeft, z * slopeRight - x);
+        atTop = std::max(atTop, z * slopeUp + y);
+        atBottom = std::max(atBottom, z * slopeUp - y);
     }
-    return {grid.target + distance * towards, grid.target, fieldOfView, distance * 0.02f, distance + glm::length(half)};
+    const float distance = std::max((atRight + atLeft) / slopeRight, (atTop + atBottom) / slopeUp) * 0.5f;
+    const glm::vec3 target = grid.target + (right * (atRight - atLeft) + up * (atTop - atBottom)) * 0.5f;
+    return {target + distance * towards, target, fieldOfView, distance * 0.02f, distance + glm::length(half)};
 }
 
 glm::mat4 viewProjection(const Framing& framing, const Look& look) {
@@ -121,14 +127,17 @@ glm::mat4 viewProjection(const Framing& framing, const Look& look) {
 
 Look lookOf(const Framing& framing) { return lookOf(framing, layOut(framing), 0); }
 
-FrameConstants frameConstants(const Framing& framing, uint32_t frame, const CameraMove& move) {
+Look overviewOf(const Framing& framing) { return fromAside(framing, layOut(framing)); }
+
+FrameConstants frameConstants(const Framing& framing, uint32_t frame, const CameraMove& move,
+                              const CameraMove& overview) {
     const Grid grid = layOut(framing);
     const auto matrix = [&](const Look& look) { return viewProjection(framing, movedLook(look, move)); };
     FrameConstants constants;
     constants.viewProjection = matrix(lookOf(framing, grid, 0));
     for (uint32_t view = 1; view < MOST_VIEWS; ++view)
         constants.otherViews[view - 1] = matrix(lookOf(framing, grid, view));
-    constants.overview = matrix(fromAside(framing, grid));
+    constants.overview = viewProjection(framing, movedLook(fromAside(framing, grid), overview));
     const bool together = framing.camera == Camera::close;
     constants.grid = {static_cast<float>(grid.columns), together ? 0 : grid.cellWidth, together ? 0 : grid.cellHeight,
                       static_cast<float>(frame)};

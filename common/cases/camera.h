@@ -40,6 +40,9 @@ struct Look {
 // That of Framing::camera; of the main view.
 Look lookOf(const Framing& framing);
 
+// From the right and above, with every copy of every camera inside, as large as the image allows.
+Look overviewOf(const Framing& framing);
+
 // How an eye has moved from where it usually is; as it is made: not at all.
 struct CameraMove {
     float turn = 0, pitch = 0;  // degrees around the target; positive: to the right, up
@@ -57,7 +60,9 @@ CameraMove gone(CameraMove move, const Look& usual, const glm::vec3& by);
 
 // Copies fill a grid of about the image's shape; row 0 of the image is its top. The camera `crowd` has it centred and
 // just inside the view. The other views look at the same grid from other sides, those of `crowd` and `close` with every
-// copy inside. The overview has every copy of every camera inside. `frame` is the number that FrameConstants carries.
-FrameConstants frameConstants(const Framing& framing, uint32_t frame, const CameraMove& move = {});
+// copy inside. `move` is how all of them moved, `overview` how overviewOf() did. `frame` is the number that
+// FrameConstants carries.
+FrameConstants frameConstants(const Framing& framing, uint32_t frame, const CameraMove& move = {},
+                              const CameraMove& overview = {});
 
 }  // namespace skinbench

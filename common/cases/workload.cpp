@@ -182,7 +182,7 @@ Result<FrameData> makeFrame(Workload& workload, int influences, uint32_t frame) 
     const WorkloadSettings& settings = workload.settings;
     const Clip* clip = chosenClip(workload);
     FrameData data;
-    data.constants = frameConstants(*framing, frame, settings.move);
+    data.constants = frameConstants(*framing, frame, settings.move, settings.overview);
 
     for (uint32_t phase = 0; phase < std::min(settings.copies, kPhases); ++phase)
         data.phases.push_back(poseScene(**scene, clip, momentOf(settings, clip, phase, frame)));

@@ -24,7 +24,8 @@ struct WorkloadSettings {
     float yaw = 0;
     Camera camera = Camera::crowd;
     float characterPixels = 0;  // of Camera::crowd: how tall a character is drawn; 0: so that all are in view
-    CameraMove move;            // of every view, from where it usually is
+    CameraMove move;            // of every view but the overview, from where it usually is
+    CameraMove overview;        // of the overview alone
 };
 
 struct Workload {

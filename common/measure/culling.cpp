@@ -217,9 +217,9 @@ std::vector<LegendRow> legendOf(const Case& c, const Culling& culling) {
     };
     static const Kind kinds[VERDICT_COUNT] = {
         {{COLOR_DRAWN}, "green", "drawn", nullptr},
-        {{COLOR_BEYOND}, "dark blue", "outside of the view", &Culling::frustum},
+        {{COLOR_BEYOND}, "dark blue", "bounds outside of the view", &Culling::frustum},
         {{COLOR_AWAY}, "orange", "by their cones", &Culling::cone},
-        {{COLOR_TRIANGLE_BEYOND}, "light blue", "outside of the view", &Culling::triangleFrustum},
+        {{COLOR_TRIANGLE_BEYOND}, "light blue", "corners outside of the view", &Culling::triangleFrustum},
         {{COLOR_TRIANGLE_AWAY}, "yellow", "back faces", &Culling::triangleBack},
         {{COLOR_TRIANGLE_SMALL}, "pink", "too small", &Culling::triangleSmall},
     };

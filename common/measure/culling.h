@@ -37,8 +37,8 @@ Culling cullingOf(const Case& c, const PlanInput& input, const FrameData& frame,
 // The same without the oracle, which takes the host far longer than the device takes to draw.
 Culling countVerdicts(const Case& c, const PlanInput& input, std::span<const uint32_t> verdicts);
 
-// What a colour of View::culled means, and how much of it there is: "outside of the view: 700 of 2048 meshlets (34.2
-// %)".
+// What a colour of View::culled means, and how much of it there is: "bounds outside of the view: 700 of 2048 meshlets
+// (34.2 %)".
 struct LegendRow {
     glm::vec3 color{0};  // red, green, blue, where the light falls
     std::string name;    // of the colour

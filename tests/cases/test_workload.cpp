@@ -345,6 +345,19 @@ static uint32_t copiesSeen(FrameConstants constants, const Bounds& bounds, uint3
     return seen;
 }
 
+TEST_CASE("the overview moves by itself") {
+    Workload workload = workloadOf(tinyScene(), {.copies = 9, .width = 640, .height = 360});
+    const FrameConstants usual = frameOf(workload, 0).constants;
+    workload.settings.move = {.turn = 20, .zoom = 2};
+    const FrameConstants moved = frameOf(workload, 0).constants;
+    CHECK(moved.viewProjection != usual.viewProjection);
+    CHECK(moved.overview == usual.overview);
+    workload.settings = {.copies = 9, .width = 640, .height = 360, .overview = {.turn = 20}};
+    const FrameConstants turned = frameOf(workload, 0).constants;
+    CHECK(turned.viewProjection == usual.viewProjection);
+    CHECK(turned.overview != usual.overview);
+}
+
 TEST_CASE("the other views look at the copies from directions of their own, and the overview at all of them") {
     auto creature = makeBuiltin("creature", 3000);  // longer than it is wide
     REQUIRE(creature);
@@ -357,11 +370,16 @@ TEST_CASE("the other views look at the copies from directions of their own, and 
                 const Bounds bounds = workload.bounds[4];
                 std::vector<glm::mat4> views{constants.viewProjection};
                 views.insert(views.end(), std::begin(constants.otherViews), std::end(constants.otherViews));
+                glm::vec3 least(1), most(-1);
                 for (uint32_t copy = 0; copy < copies; ++copy) {
                     const Extent extent = projected(constants, bounds, copy, constants.overview);
                     CHECK(glm::all(glm::lessThan(extent.max, glm::vec3(1))));
                     CHECK(glm::all(glm::greaterThan(extent.min, glm::vec3(-1, -1, 0))));
+                    least = glm::min(least, extent.min);
+                    most = glm::max(most, extent.max);
                 }
+                // Together they reach two opposite edges, but for the room between copies.
+                CHECK(std::max(most.x - least.x, most.y - least.y) > 1.7f);
                 for (size_t view = 0; view < views.size(); ++view) {
                     INFO(scene.name << ", " << copies << " copies, camera "
                                     << cameraNames()[static_cast<size_t>(camera)] << ", view " << view);
