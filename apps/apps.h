@@ -62,6 +62,7 @@ struct RouteWish {
     const char* reason;
 };
 const std::vector<RouteWish>& routeWishes();
+Case caseOf(const RouteWish& wish);
 
 // The first of them that a device runs.
 struct Choice {
@@ -204,6 +205,9 @@ std::string measuredText(const nlohmann::ordered_json& measured);
 
 // What a view needs of a case beyond what the route needs.
 Result<void> checkView(const Case& c);
+
+// Why no backend draws the case, or nothing.
+std::optional<std::string> reasonAgainst(const Case& c, const Backends& backends);
 
 inline constexpr float kUsualYaw = 25;  // degrees that a single character is turned by in pictures
 

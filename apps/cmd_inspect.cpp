@@ -35,11 +35,7 @@ std::string cutName(const MeshletRow& row) {
 }
 
 void printScene(const Inspection& inspection) {
-    const SceneStats& stats = inspection.stats;
-    std::cout << std::format(
-        "{}: {} vertices, {} triangles, {} joints, {} tuples, {:.2f} influences ({} at the most)\n",
-        terminalText(inspection.scene), stats.vertices, stats.triangles, stats.joints, stats.uniqueTuples,
-        stats.meanInfluences, stats.maxInfluences);
+    std::cout << terminalText(inspection.scene) << ": " << sceneText(inspection.stats) << "\n";
 }
 
 void printMeshlets(const Inspection& inspection) {

@@ -2,11 +2,9 @@
 #include <cmath>
 #include <format>
 
-#include "apps/apps.h"
+#include "apps/picture_thread.h"
 #include "common/core/file.h"
 #include "common/frame/animation.h"
-#include "common/frame/image.h"
-#include "common/measure/drawing.h"
 
 namespace skinbench {
 namespace {
@@ -61,25 +59,12 @@ Result<std::vector<Case>> chosenCases(RenderOptions& options) {
     return cases;
 }
 
-// What draws pictures of one moment after the other.
-struct Drawer {
-    Devices devices;
-    Workload workload;
+struct Wanted {
     std::vector<Case> cases;
-    std::vector<Prepared> ready;  // of an animation
-    ~Drawer() {
-        for (Prepared& one : ready) releaseCase(one);
-    }
+    WorkloadSettings settings;
 };
 
-constexpr uint32_t kAmplified = 16;
-
-Image together(const RenderOptions& options, std::vector<Image> images) {
-    if (options.difference) images.push_back(differenceImage(images[0], images[1], kAmplified).image);
-    return sideBySide(images);
-}
-
-Result<std::unique_ptr<Drawer>> openDrawer(RenderOptions& options) {
+Result<Wanted> wantedPictures(RenderOptions& options) {
     if (options.selectors.copies == 0) options.selectors.copies = 1;
     auto settings = workloadSettings(options.selectors, false);
     SKINBENCH_TRY(settings);
@@ -87,84 +72,82 @@ Result<std::unique_ptr<Drawer>> openDrawer(RenderOptions& options) {
     SKINBENCH_TRY(cases);
     if (options.difference && cases->size() != 2)
         return inputError(std::format("--difference compares two cases, not {}", cases->size()));
-    std::vector<const Route*> needed;
-    for (const Case& c : *cases) needed.push_back(c.route);
-
     settings->yaw = settings->copies == 1 ? options.yaw : 0;
-    auto devices = openDevices(needed, options.selectors.device, options.selectors.validation);
-    SKINBENCH_TRY(devices);
-    auto workload = openWorkload(options.selectors.scene, *settings);
-    SKINBENCH_TRY(workload);
-    const auto seen = inView(*workload, cases->front().influences);
-    SKINBENCH_TRY(seen);
-    if (const auto outside = viewWarning(*workload, *seen); !outside.empty()) warn(outside);
-    return std::make_unique<Drawer>(std::move(*devices), std::move(*workload), std::move(*cases));
+    return Wanted{std::move(*cases), std::move(*settings)};
 }
 
-// A picture as a verifying plan draws it, with what is wrong about it and what its colours mean.
-Result<Picture> checkedPicture(Drawer& drawer, const Case& c) {
-    const OpenBackend& open = drawer.devices.byApi[c.route->api];
-    if (!open.backend) return deviceError(open.missing);
-    auto picture = renderPicture(drawer.workload, c, *open.backend);
-    SKINBENCH_TRY(picture);
-    if (!picture->fault.empty()) warn(std::format("{} is drawn, and is not right: {}", caseId(c), picture->fault));
-    if (c.view == View::culled && picture->culling)
-        for (const LegendRow& row : legendOf(c, *picture->culling)) say(std::format("{:<10}  {}", row.name, row.text));
-    return picture;
+// What is wrong about a picture that was verified, and what its colours mean.
+void sayFindings(const std::string& id, const std::string& fault, const std::vector<LegendRow>& legend) {
+    if (!fault.empty()) warn(std::format("{} is drawn, and is not right: {}", id, fault));
+    for (const LegendRow& row : legend) say(std::format("{:<10}  {}", row.name, row.text));
 }
+
+constexpr uint32_t kAmplified = 16;
 
 Result<Image> render(RenderOptions options) {
-    auto drawer = openDrawer(options);
-    SKINBENCH_TRY(drawer);
+    const auto wanted = wantedPictures(options);
+    SKINBENCH_TRY(wanted);
+    std::vector<const Route*> needed;
+    for (const Case& c : wanted->cases) needed.push_back(c.route);
+    auto devices = openDevices(needed, options.selectors.device, options.selectors.validation);
+    SKINBENCH_TRY(devices);
+    auto workload = openWorkload(options.selectors.scene, wanted->settings);
+    SKINBENCH_TRY(workload);
+    const auto seen = inView(*workload, wanted->cases.front().influences);
+    SKINBENCH_TRY(seen);
+    if (const auto outside = viewWarning(*workload, *seen); !outside.empty()) warn(outside);
     std::vector<Image> images;
-    for (const Case& c : (*drawer)->cases) {
-        if ((*drawer)->cases.size() > 1) say(std::format("picture {}: {}", images.size() + 1, caseId(c)));
-        auto picture = checkedPicture(**drawer, c);
+    for (const Case& c : wanted->cases) {
+        if (wanted->cases.size() > 1) say(std::format("picture {}: {}", images.size() + 1, caseId(c)));
+        const OpenBackend& open = devices->byApi[c.route->api];
+        if (!open.backend) return deviceError(open.missing);
+        auto picture = renderPicture(*workload, c, *open.backend);
         SKINBENCH_TRY(picture);
+        const bool culled = c.view == View::culled && picture->culling;
+        sayFindings(caseId(c), picture->fault, culled ? legendOf(c, *picture->culling) : std::vector<LegendRow>());
         images.push_back(std::move(picture->image));
     }
-    return together(options, std::move(images));
+    if (options.difference) images.push_back(differenceImage(images[0], images[1], kAmplified).image);
+    return sideBySide(images);
 }
 
-// The first moment is checked as a picture is; then each case stays on its device.
-Result<void> prepareAll(Drawer& drawer) {
-    for (const Case& c : drawer.cases) {
-        SKINBENCH_TRY(checkedPicture(drawer, c));
-        auto planned = planCase(drawer.workload, c, drawer.devices.byApi[c.route->api].backend, false);
-        SKINBENCH_TRY(planned);
-        auto ready = prepareCase(std::move(*planned));
-        SKINBENCH_TRY(ready);
-        drawer.ready.push_back(std::move(*ready));
-    }
-    return {};
-}
-
-Result<Image> drawMoment(Drawer& drawer, const RenderOptions& options) {
+Result<Image> imageOf(const Pictures& drawn) {
+    if (drawn.error) return std::unexpected(*drawn.error);
+    if (!drawn.warning.empty()) warn(drawn.warning);
     std::vector<Image> images;
-    for (size_t i = 0; i < drawer.cases.size(); ++i) {
-        auto frames = framesOfPose(drawer.workload, drawer.cases[i]);
-        SKINBENCH_TRY(frames);
-        SKINBENCH_TRY(drawFrames(drawer.ready[i], *frames));
-        auto image = drawer.ready[i].backend->readImage(*drawer.ready[i].plan);
-        SKINBENCH_TRY(image);
-        images.push_back(std::move(*image));
+    for (const CasePicture& picture : drawn.all) {
+        if (picture.error) return std::unexpected(*picture.error);
+        if (drawn.request.accuracy) sayFindings(picture.id, picture.fault, picture.legend);
+        images.push_back(picture.image);
     }
-    return together(options, std::move(images));
+    return sideBySide(images);
 }
 
-// The clip in so many frames, its beginning behind its end: a WebP file, or a folder of PNG files.
+// The clip in so many frames, its beginning behind its end: a WebP file, or a folder of PNG files. The first moment is
+// verified as a single picture is.
 Result<void> renderAnimation(RenderOptions options) {
-    auto drawer = openDrawer(options);
-    SKINBENCH_TRY(drawer);
-    SKINBENCH_TRY(prepareAll(**drawer));
-    const Clip* clip = chosenClip((*drawer)->workload);
-    const double step = (clip ? clip->duration : options.animate / 60.0) / options.animate;
+    const auto wanted = wantedPictures(options);
+    SKINBENCH_TRY(wanted);
+    const std::string& scene = options.selectors.scene;
+    PictureThread thread(
+        {.device = options.selectors.device, .validation = options.selectors.validation, .every = true});
+    PictureRequest request{.scene = scene, .cases = wanted->cases, .settings = wanted->settings};
+    request.amplify = options.difference ? kAmplified : 0;
     const bool file = options.out.ends_with(".webp");
     std::unique_ptr<Animation> animation;
-    for (uint32_t frame = 0; frame < options.animate; ++frame) {
-        (*drawer)->workload.settings.seconds = static_cast<float>(options.selectors.seconds + frame * step);
-        auto image = drawMoment(**drawer, options);
+    double step = 0;
+    for (uint32_t frame = 0, posted = 0; frame < options.animate; ++frame) {
+        // The first answer says how long the clip is; then the thread always has a moment to begin.
+        const auto ahead = static_cast<uint32_t>(frame == 0 ? 1 : frame + kFramesInFlight + 1);
+        for (; posted < std::min(ahead, options.animate); ++posted) {
+            request.settings.seconds = static_cast<float>(options.selectors.seconds + posted * step);
+            request.accuracy = posted == 0;
+            thread.post(request);
+        }
+        const std::shared_ptr<const Pictures> drawn = thread.take();
+        const auto image = imageOf(*drawn);
         SKINBENCH_TRY(image);
+        if (frame == 0) step = (drawn->duration > 0 ? drawn->duration : options.animate / 60.0) / options.animate;
         if (!file) {
             SKINBENCH_TRY(savePng(*image, std::format("{}/{:04}.png", options.out, frame)));
             continue;

@@ -143,13 +143,18 @@ const std::vector<RouteWish>& routeWishes() {
     return rows;
 }
 
+Case caseOf(const RouteWish& wish) {
+    Case c;
+    c.codec = findCodec("uc");
+    c.route = findRoute(wish.route);
+    c.variant = findVariant(wish.variant);
+    return c;
+}
+
 Choice chooseRoute(const std::vector<DeviceCaps>& devices) {
     for (bool software : {false, true})
         for (const RouteWish& wish : routeWishes()) {
-            Case c;
-            c.codec = findCodec("uc");
-            c.route = findRoute(wish.route);
-            c.variant = findVariant(wish.variant);
+            const Case c = caseOf(wish);
             for (const DeviceCaps& caps : devices)
                 if (caps.api == c.route->api && caps.software == software && !unsupported(c, caps))
                     return {

@@ -234,4 +234,13 @@ Result<void> checkView(const Case& c) {
     return {};
 }
 
+std::optional<std::string> reasonAgainst(const Case& c, const Backends& backends) {
+    if (c.route->api == Api::cpu) return "route cpu draws nothing";
+    const OpenBackend& open = backends.at(c.route->api);
+    if (!open.backend) return open.missing;
+    if (auto reason = unsupported(c, open.backend->caps())) return reason;
+    if (auto possible = checkView(c); !possible) return possible.error().text;
+    return std::nullopt;
+}
+
 }  // namespace skinbench

@@ -4,93 +4,88 @@
 
 #include "apps/command_line.h"
 #include "apps/view/state.h"
+#include "common/cases/choices.h"
 
 namespace skinbench::view {
-std::optional<std::string> reasonAgainst(const Case& c, const CapsByApi& devices) {
-    if (c.route->api == Api::cpu) return "route cpu draws nothing";
-    const auto api = devices.find(c.route->api);
-    if (api == devices.end()) return std::format("{} was not looked for", namesOf(c.route->api).name);
-    if (!api->second.missing.empty()) return api->second.missing;
-    if (auto reason = unsupported(c, api->second.caps)) return reason;
-    if (auto possible = checkView(c); !possible) return possible.error().text;
-    return std::nullopt;
-}
 
-std::vector<Control> controlsOf(const Case& c, const CapsByApi& devices) {
-    std::vector<Control> controls;
-    for (const Axis& axis : axes()) {
-        if (!axis.applies(c)) continue;
-        Control control{&axis, axis.get(c), {}, joinsWords(c, axis)};
-        for (const std::string& word : axis.words) {
-            const auto then = withValue(c, axis, control.joined ? toggledWord(axis, control.value, word) : word);
-            if (then) control.choices.push_back({word, *then, reasonAgainst(*then, devices)});
-        }
-        controls.push_back(std::move(control));
-    }
+std::vector<const Axis*> controlsOf(const Case& c) {
+    std::vector<const Axis*> controls;
+    for (const Axis& axis : axes())
+        if (axis.applies(c)) controls.push_back(&axis);
     return controls;
 }
 
-void choose(ViewState& state, size_t pane, const Axis& axis, const std::string& word) {
-    const Case& c = state.cases[pane];
-    const auto then = withValue(c, axis, joinsWords(c, axis) ? toggledWord(axis, axis.get(c), word) : word);
-    if (!then) return;
-    const bool follows = state.linked && axis.name != "route";
-    Case& other = state.cases[1 - pane];
-    // The same value, where the other one has such a thing.
-    if (follows && axis.applies(other))
-        if (const auto same = withValue(other, axis, axis.get(*then)); same && axis.get(*same) == axis.get(*then))
-            other = *same;
-    state.cases[pane] = *then;
+Result<Case> chosen(const Case& c, const Axis& axis, const std::string& word) {
+    return withValue(c, axis, joinsWords(c, axis) ? toggledWord(axis, axis.get(c), word) : word);
 }
 
-void chooseNext(ViewState& state, size_t pane, const CapsByApi& devices, std::string_view name, int step) {
+void choose(ViewState& state, const Axis& axis, const std::string& word) {
+    Case &own = state.cases[state.active], &other = state.cases[1 - state.active];
+    const auto then = chosen(own, axis, word);
+    if (!then) return;
+    // The same value, where the other one has such a thing.
+    if (state.linked && axis.name != "route" && axis.applies(other))
+        if (const auto same = withValue(other, axis, axis.get(*then)); same && axis.get(*same) == axis.get(*then))
+            other = *same;
+    own = *then;
+}
+
+void chooseNext(ViewState& state, const Backends& backends, std::string_view name, int step) {
     const Axis& axis = *findAxis(name);
-    const Case& c = state.cases[pane];
+    const Case& c = state.cases[state.active];
     if (!axis.applies(c)) return;
     const auto count = static_cast<int>(axis.words.size());
-    const auto current = std::ranges::find(axis.words, axis.get(c)) - axis.words.begin();
+    auto place = static_cast<int>(std::ranges::find(axis.words, axis.get(c)) - axis.words.begin());
     for (int i = 1; i < count; ++i) {
-        const std::string& word =
-            axis.words[static_cast<size_t>((static_cast<int>(current) + (i * step) % count + count) % count)];
+        place = (place + step + count) % count;
+        const std::string& word = axis.words[static_cast<size_t>(place)];
         const auto then = withValue(c, axis, word);
-        if (then && !reasonAgainst(*then, devices)) return choose(state, pane, axis, word);
+        if (then && !reasonAgainst(*then, backends)) return choose(state, axis, word);
     }
 }
 
-void chooseCases(ViewState& state, const CapsByApi& devices) {
-    const auto caseOf = [](const RouteWish& wish) {
-        Case c;
-        c.route = findRoute(wish.route);
-        c.variant = findVariant(wish.variant);
-        c.codec = findCodec("uc");
-        return completed(c);
-    };
-    const auto first = [&](const auto& suits) -> std::optional<Case> {
-        for (const RouteWish& wish : routeWishes())
-            if (const Case c = caseOf(wish); suits(c) && !reasonAgainst(c, devices)) return c;
-        return std::nullopt;
-    };
+void chooseCases(ViewState& state, const Backends& backends) {
     auto& [a, b] = state.cases;
-    if (!a.route) a = first([](const Case&) { return true; }).value_or(caseOf(routeWishes().front()));
-    if (b.route) return;
-    auto other = first([&](const Case& c) { return c.route->api != a.route->api && c.variant == a.variant; });
-    if (!other) other = first([&](const Case& c) { return c.route->api != a.route->api; });
-    b = a;
-    if (!other) return;
-    // All of A's options that the other route has.
-    b.route = other->route;
-    b = completed(b);
-    if (reasonAgainst(b, devices)) b = *other;
+    for (const RouteWish& wish : routeWishes()) {
+        if (a.route) break;
+        if (const Case c = completed(caseOf(wish)); !reasonAgainst(c, backends)) a = c;
+    }
+    if (!a.route) a = completed(caseOf(routeWishes().front()));
+    // All of A's options that the other route has: with A's variant, with another one; at last the route's usual case.
+    for (int attempt = 0; attempt < 3; ++attempt)
+        for (const RouteWish& wish : routeWishes()) {
+            if (b.route) return;
+            Case c = attempt < 2 ? a : caseOf(wish);
+            c.route = findRoute(wish.route);
+            c = completed(c);
+            const bool suits = c.route->api != a.route->api && (attempt > 0 || c.variant == a.variant);
+            if (suits && !reasonAgainst(c, backends)) b = c;
+        }
+    if (!b.route) b = a;
+}
+
+PictureRequest requestOf(const ViewState& state, uint64_t number, uint32_t width, uint32_t height) {
+    WorkloadSettings settings;
+    settings.clip = state.clip;
+    settings.seconds = static_cast<float>(state.seconds);
+    settings.copies = state.copies;
+    settings.width = width;
+    settings.height = height;
+    settings.yaw = state.copies == 1 ? kUsualYaw : 0;
+    settings.move = state.camera;
+    settings.overview = state.overview;
+    const uint32_t amplify = state.mode == Mode::difference ? state.amplify : 0;
+    return {number, state.scene, {state.cases[0], state.cases[1]}, settings, state.background, amplify, false, {}};
 }
 
 std::string benchCommand(const ViewState& state) {
-    std::string text = "skinbench bench " + shellWord(state.scene);
-    for (size_t i = 0; i < 2; ++i)
-        if (state.cases[i].route && (i == 0 || caseId(state.cases[1]) != caseId(state.cases[0]))) {
-            Case c = state.cases[i];
-            c.view = View::shaded;
-            text += " --case " + shellWord(caseId(c));
-        }
+    std::string text = "skinbench bench " + shellWord(state.scene), first;
+    for (Case c : state.cases) {
+        c.view = View::shaded;
+        const std::string id = caseId(c);
+        if (id != first) text += " --case " + shellWord(id);
+        first = id;
+    }
     text += std::format(" --copies {} --pose {}", state.copies, state.playing ? "animated" : "frozen");
     if (!state.clip.empty()) text += " --clip " + shellWord(state.clip);
     return text + std::format(" --time {:g}", state.seconds);

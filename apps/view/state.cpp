@@ -14,9 +14,20 @@ using Json = nlohmann::ordered_json;
 
 constexpr const char* kSchema = "skinview-settings/1";
 
+template <class Visit>
+void visitCamera(const std::string& name, CameraMove& camera, const Visit& visit) {
+    visit(name + "turn", camera.turn, -1e6, 1e6);
+    visit(name + "pitch", camera.pitch, -89, 89);
+    visit(name + "zoom", camera.zoom, 1e-3, 1e3);
+    for (int i = 0; i < 3; ++i) visit(name + "moved_" + "xyz"[i], camera.moved[i], -1e6, 1e6);
+}
+
 // Every key in one place, for reading and for writing: the value, and the range of a number.
 template <class Visit>
 void visitSettings(ViewState& state, const Visit& visit) {
+    visit("case", state.cases[0]);
+    visit("case2", state.cases[1]);
+    visit("mode", state.mode);
     visit("scene", state.scene);
     visit("active", state.active, 0, 1);
     visit("linked", state.linked);
@@ -28,12 +39,8 @@ void visitSettings(ViewState& state, const Visit& visit) {
     visit("speed", state.speed, -16, 16);
     visit("copies", state.copies, 1, 1'000'000);
     visit("fly", state.fly);
-    visit("turn", state.camera.turn, -1e6, 1e6);
-    visit("pitch", state.camera.pitch, -89, 89);
-    visit("zoom", state.camera.zoom, 1e-3, 1e3);
-    visit("moved_x", state.camera.moved.x, -1e6, 1e6);
-    visit("moved_y", state.camera.moved.y, -1e6, 1e6);
-    visit("moved_z", state.camera.moved.z, -1e6, 1e6);
+    visitCamera("", state.camera, visit);
+    visitCamera("overview_", state.overview, visit);
     visit("red", state.background.x, 0, 1);
     visit("green", state.background.y, 0, 1);
     visit("blue", state.background.z, 0, 1);
@@ -46,49 +53,50 @@ void visitSettings(ViewState& state, const Visit& visit) {
 
 struct Writer {
     Json& json;
+
     template <class Value, class... Range>
-    void operator()(const char* key, const Value& value, Range...) const {
-        json[key] = value;
+    void operator()(const std::string& key, const Value& value, Range...) const {
+        if constexpr (std::is_same_v<Value, Mode>)
+            json[key] = modeNames()[static_cast<size_t>(value)];
+        else if constexpr (!std::is_same_v<Value, Case>)
+            json[key] = value;
+        else if (value.route)
+            json[key] = caseId(value);
     }
 };
 
 struct Reader {
     const Json& json;
-    std::string& fault;
+    std::string& fault;  // of the first key that cannot be
 
     template <class Value>
-    void operator()(const char* key, Value& value, double least = 0, double most = 0) const {
-        const auto found = json.find(key);
-        if (found == json.end()) return;
-        auto refuse = [&](const std::string& kind) {
-            if (fault.empty()) fault = std::format("'{}' is no {}", key, kind);
+    void operator()(const std::string& key, Value& value, double least = 0, double most = 0) const {
+        if (!fault.empty() || !json.contains(key)) return;
+        const Json& given = json[key];
+        const std::string word = given.is_string() ? given.get<std::string>() : dumpJson(given, -1);
+        const auto holds = [&](bool right, const std::string& kind) {
+            if (!right) fault = std::format("'{}' is {}", key, kind);
+            return right;
         };
-        if constexpr (std::is_same_v<Value, std::string> || std::is_same_v<Value, bool>) {
-            constexpr bool text = std::is_same_v<Value, std::string>;
-            if (text ? !found->is_string() : !found->is_boolean()) return refuse(text ? "text" : "true or false");
-            value = found->template get<Value>();
+        if constexpr (std::is_same_v<Value, std::string>) {
+            if (holds(given.is_string(), "no text")) value = word;
+        } else if constexpr (std::is_same_v<Value, bool>) {
+            if (holds(given.is_boolean(), "no true or false")) value = given;
+        } else if constexpr (std::is_same_v<Value, Mode>) {
+            if (holds(std::ranges::contains(modeNames(), word), "none of panes, wipe, one, difference"))
+                value = modeOf(word);
+        } else if constexpr (std::is_same_v<Value, Case>) {
+            const auto parsed = parseCaseId(word);
+            if (holds(parsed.has_value(), "no case: " + (parsed ? "" : parsed.error().text))) value = *parsed;
         } else {
-            const double number = found->is_number() ? found->template get<double>() : std::nan("");
+            const double number = given.is_number() ? given.get<double>() : std::nan("");
             const bool whole = std::is_floating_point_v<Value> || number == std::floor(number);
-            if (!(number >= least && number <= most && whole))
-                return refuse(std::format("{} from {:g} to {:g}", whole ? "number" : "whole number", least, most));
-            value = static_cast<Value>(number);
+            const std::string kind =
+                std::format("no {} from {:g} to {:g}", whole ? "number" : "whole number", least, most);
+            if (holds(number >= least && number <= most && whole, kind)) value = static_cast<Value>(number);
         }
     }
 };
-
-Result<void> readCases(ViewState& state, const Json& json) {
-    const auto cases = json.find("cases");
-    if (cases == json.end()) return {};
-    if (!cases->is_array() || cases->size() > 2) return inputError("'cases' is no list of two ids");
-    for (size_t i = 0; i < cases->size(); ++i) {
-        if (!(*cases)[i].is_string()) return inputError("'cases' is no list of two ids");
-        auto parsed = parseCaseId((*cases)[i].get<std::string>());
-        SKINBENCH_TRY(parsed);
-        state.cases[i] = *parsed;
-    }
-    return {};
-}
 
 }  // namespace
 
@@ -97,10 +105,12 @@ const std::vector<std::string>& modeNames() {
     return names;
 }
 
+Mode modeOf(const std::string& name) {
+    return static_cast<Mode>(std::ranges::find(modeNames(), name) - modeNames().begin());
+}
+
 std::string settingsText(const ViewState& state) {
-    Json json{{"schema", kSchema}, {"cases", Json::array()}, {"mode", modeNames()[static_cast<size_t>(state.mode)]}};
-    for (const Case& c : state.cases)
-        if (c.route) json["cases"].push_back(caseId(c));
+    Json json{{"schema", kSchema}};
     ViewState copy = state;
     visitSettings(copy, Writer{json});
     return dumpJson(json) + "\n";
@@ -114,21 +124,11 @@ Result<ViewState> readSettings(ViewState state, const std::string& text) {
     std::string fault;
     visitSettings(state, Reader{json, fault});
     if (!fault.empty()) return inputError(fault);
-    SKINBENCH_TRY(readCases(state, json));
-    if (const auto mode = json.find("mode"); mode != json.end()) {
-        const auto row = std::ranges::find_if(modeNames(), [&](const std::string& word) { return *mode == word; });
-        if (row == modeNames().end()) return inputError("'mode' is none of panes, wipe, one, difference");
-        state.mode = static_cast<Mode>(row - modeNames().begin());
-    }
     return state;
 }
 
 void stepClock(ViewState& state, double passed, double duration) {
-    if (duration <= 0) {
-        state.seconds = 0;
-        return;
-    }
-    state.seconds = std::fmod(state.seconds + passed * state.speed, duration);
+    state.seconds = duration > 0 ? std::fmod(state.seconds + passed * state.speed, duration) : 0;
     if (state.seconds < 0) state.seconds += duration;
 }
 

@@ -7,8 +7,7 @@
 #include <string_view>
 #include <vector>
 
-#include "apps/apps.h"
-#include "common/cases/choices.h"
+#include "apps/picture_thread.h"
 
 namespace skinbench::view {
 
@@ -18,6 +17,7 @@ namespace skinbench::view {
 // difference: |A - B|, amplified.
 enum class Mode { panes, wipe, one, difference };
 const std::vector<std::string>& modeNames();  // in the order of the enumeration
+Mode modeOf(const std::string& name);         // that is one of them
 
 struct ViewState {
     std::string scene = "builtin:biped";
@@ -33,10 +33,10 @@ struct ViewState {
     bool playing = true;    // the clock runs
     double speed = 1;       // clip seconds a second
     uint32_t copies = 1;
-    bool fly = false;  // dragging turns the eye, not the scene
-    CameraMove camera;
+    bool fly = false;             // dragging turns the eye, not the scene
+    CameraMove camera, overview;  // overview: of View::culled
     glm::vec3 background{0.13f, 0.15f, 0.18f};
-    uint32_t width = 1280, height = 720;  // of the window
+    uint32_t width = 1280, height = 720;  // of the window, on a display of the usual density
     double resolution = 0;                // pixels of a picture over those of its pane, each way; 0: by device
     bool dark = true, panel = true, keys = false;
 };
@@ -53,41 +53,23 @@ void stepClock(ViewState& state, double passed, double duration);
 
 // --- choices (choices.cpp): the table of axes as controls ------------------------------------------------------
 
-// The devices' caps by API, and why an API has none.
-struct ApiCaps {
-    DeviceCaps caps;
-    std::string missing;
-};
-using CapsByApi = std::map<Api, ApiCaps>;
+// The axes that mean something to the case.
+std::vector<const Axis*> controlsOf(const Case& c);
 
-// Why a device cannot draw the case, or nothing.
-std::optional<std::string> reasonAgainst(const Case& c, const CapsByApi& devices);
+// The case with that word chosen, or, where several go together, taken in or out.
+Result<Case> chosen(const Case& c, const Axis& axis, const std::string& word);
 
-struct ControlChoice {
-    std::string word;
-    Case then;
-    std::optional<std::string> reason;  // against it
-};
+// Makes the choice for the active case; with ViewState::linked the other one follows where it can.
+void choose(ViewState& state, const Axis& axis, const std::string& word);
 
-// What one axis offers a case. Without choices any text that the axis takes.
-struct Control {
-    const Axis* axis = nullptr;
-    std::string value;
-    std::vector<ControlChoice> choices;
-    bool joined = false;  // several words together, joined with +
-};
+// The next or previous value of an axis that a backend can draw.
+void chooseNext(ViewState& state, const Backends& backends, std::string_view axis, int step);
 
-// Of every axis that means something to the case.
-std::vector<Control> controlsOf(const Case& c, const CapsByApi& devices);
+// Where a route is null. A: the route that `auto` takes. B: the same on the other API, or the next best thing there.
+void chooseCases(ViewState& state, const Backends& backends);
 
-// What the choice makes of both cases: with ViewState::linked the other one follows where it can.
-void choose(ViewState& state, size_t pane, const Axis& axis, const std::string& word);
-
-// The next or previous value of an axis that a device can draw.
-void chooseNext(ViewState& state, size_t pane, const CapsByApi& devices, std::string_view axis, int step);
-
-// A: the route that `auto` takes. B: the same variant on the other API, or the next best thing that it has.
-void chooseCases(ViewState& state, const CapsByApi& devices);
+// Pictures of that size of what the state shows.
+PictureRequest requestOf(const ViewState& state, uint64_t number, uint32_t width, uint32_t height);
 
 // The line that measures what is on the screen.
 std::string benchCommand(const ViewState& state);
@@ -97,22 +79,16 @@ std::string benchCommand(const ViewState& state);
 // What a key asks of the window itself.
 enum class Ask { nothing, screenshot, accuracy, command, close };
 
-struct KeyPress {
-    std::string_view key;  // "A", "F1", "Space", "Tab", "LeftArrow", "Equal", as Dear ImGui calls them
-    bool shift = false;
-};
-
-using KeyAction = std::function<void(ViewState& state, const CapsByApi& devices, bool shift)>;
-
 struct KeyRow {
-    const char* key;
+    const char* key;    // "A", "F1", "Space", "Tab", "Equal", as Dear ImGui calls them; empty: it is none
     const char* shown;  // in the list of keys
     const char* what;
-    KeyAction act;
+    std::function<void(ViewState&)> act;
+    const char* axis = "";  // whose next value it chooses, with Shift the one before
     Ask ask = Ask::nothing;
 };
 const std::vector<KeyRow>& keyRows();
 
-Ask pressKey(ViewState& state, const CapsByApi& devices, const KeyPress& press);
+Ask pressKey(ViewState& state, const Backends& backends, std::string_view key, bool shift = false);
 
 }  // namespace skinbench::view

@@ -1,28 +1,22 @@
-// The window: a thin shell around ViewState and Renderer. One frame of it reads the input, asks for pictures, draws
-// what there is.
+// The window: a thin shell around ViewState and PictureThread. One frame of it reads the input, asks for pictures,
+// draws what there is.
 #pragma once
 
 #include <chrono>
 
-#include "apps/view/renderer.h"
+#include "apps/view/state.h"
 
 struct GLFWwindow;
 
 namespace skinbench::view {
 
-struct ViewOptions {
-    ViewState state;
-    RendererOptions renderer;
-    bool stepped = false;  // every frame waits for its pictures, and the clock goes on by 1/60 s
-    std::string folder;    // of screenshots by key; empty: the current one
-};
-
-// What a pane has measured of late.
+// What a pane has measured of late, in milliseconds, the latest last.
 struct History {
     std::string id;
-    std::vector<float> total;  // milliseconds, the latest last
+    std::vector<float> total;
     std::map<std::string, std::vector<double>> passes;
-    std::string figures;  // in words
+    std::string figures;                // of `total`, in words
+    std::vector<std::string> accuracy;  // as last asked for
 };
 
 struct Rectangle {
@@ -31,13 +25,14 @@ struct Rectangle {
 
 struct Viewer {
     ViewState state;
-    bool stepped = false, closing = false;
-    std::string folder, saveTo;  // of screenshots by key; saveTo: the next one, once
+    bool stepped = false;  // every frame waits for its pictures, and the clock goes on by 1/60 s
+    bool closing = false;
+    std::string folder, saveTo;  // of screenshots by key, "" or "FOLDER/"; saveTo: the next one, once
 
-    GLFWwindow* window = nullptr;
+    GLFWwindow* window = nullptr;        // none: pictures are drawn alone
     std::array<uint32_t, 3> textures{};  // of A, B and the difference
-    std::unique_ptr<Renderer> renderer;
-    std::shared_ptr<const Shown> shown;  // what the textures hold
+    std::unique_ptr<PictureThread> thread;
+    std::shared_ptr<const Pictures> shown;  // what the textures hold
 
     uint64_t posted = 0;       // number of the latest request
     std::string postedFor;     // what it asked for
@@ -47,26 +42,31 @@ struct Viewer {
     std::chrono::steady_clock::time_point wantedSince, last, answered;
     double period = 0;  // seconds between answers of late
 
-    bool shrunk = false;             // pictures are smaller than their panes, as the processor draws them
-    Rectangle area;                  // where pictures are drawn, in window coordinates
-    std::array<Rectangle, 2> panes;  // of A and B in it
+    std::tuple<bool, float, float> style;  // what fonts and sizes were made for: setStyle()
+    float density = 1;                     // pixels a pixel of a usual display
+    float scale = 1;                       // window coordinates a pixel of a usual display
+    bool splitting = false;                // the splitter is dragged
+    bool shrunk = false;                   // pictures are smaller than their panes, as the processor draws them
+    Rectangle area;                        // where pictures are drawn, in window coordinates
     std::array<History, 2> history;
-    std::array<std::string, 2> accuracy;  // as last asked for, with the case
     std::vector<std::string> picked, messages;
     std::string note;  // one line below the pictures: an error, or what was done
-    float scale = 1;   // of fonts, by the monitor
 
     ~Viewer();
 };
 
-// One line where there is no display or no OpenGL for the window. One window at a time.
-Result<std::unique_ptr<Viewer>> openView(const ViewOptions& options);
+// With PictureOptions::every a stepped one. One line where there is no display or no OpenGL for the window. One window
+// at a time, which is closed before main() ends.
+Result<std::unique_ptr<Viewer>> openView(const ViewState& state, const PictureOptions& options, bool withWindow = true);
 
-// False once the window is to close. `window` gets what the window shows.
-bool drawFrame(Viewer& view, Image* window = nullptr);
+// False once the window is to close. `image` gets what it shows.
+bool drawFrame(Viewer& view, Image* image = nullptr);
 
 // Files that were dropped on the window; the first one is loaded.
 void dropFiles(Viewer& view, const std::vector<std::string>& paths);
+
+// As if the key was pressed.
+void press(Viewer& view, std::string_view key, bool shift = false);
 
 // --- panel.cpp: what is drawn beside the pictures --------------------------------------------------------------
 

@@ -174,10 +174,30 @@ Result<std::vector<DrawnFrame>> drawFrames(Prepared& ready, std::span<const Fram
     return drawn;
 }
 
-Result<void> beginFrame(Prepared& ready, const FrameData& frame) {
-    const auto palette = paletteBytes(ready.input, ready.blocks, frame);
-    SKINBENCH_TRY(palette);
-    return ready.backend->begin(*ready.plan, {.constants = frame.constants, .palette = *palette, .skinned = {}});
+Result<void> beginPicture(Prepared& ready, std::span<const FrameData> frames) {
+    const auto drawn = drawFrames(ready, ready.host ? frames : frames.first(frames.size() - 1));
+    SKINBENCH_TRY(drawn);
+    if (!ready.host) {
+        const FrameData& last = frames.back();
+        const auto palette = paletteBytes(ready.input, ready.blocks, last);
+        SKINBENCH_TRY(palette);
+        return ready.backend->begin(*ready.plan, {.constants = last.constants, .palette = *palette, .skinned = {}});
+    }
+    auto image = ready.backend->readImage(*ready.plan);
+    SKINBENCH_TRY(image);
+    ready.pictures.push_back({std::move(*image), passTimes(ready, drawn->back())});
+    return {};
+}
+
+Result<DrawnPicture> finishPicture(Prepared& ready) {
+    if (!ready.pictures.empty()) {
+        DrawnPicture picture = std::move(ready.pictures.front());
+        ready.pictures.pop_front();
+        return picture;
+    }
+    auto finished = ready.backend->finish(*ready.plan);
+    SKINBENCH_TRY(finished);
+    return DrawnPicture{std::move(finished->image), passTimes(ready, {std::move(finished->timing), 0})};
 }
 
 }  // namespace skinbench

@@ -1,6 +1,7 @@
 // A case that is ready to be drawn again and again, and what its frames took.
 #pragma once
 
+#include <deque>
 #include <exception>
 #include <memory>
 #include <new>
@@ -21,6 +22,12 @@ struct HostSkinning {
     std::vector<SkinnedVertex> out;
 };
 
+// A picture, and its passes as passTimes() gives them.
+struct DrawnPicture {
+    Image image;
+    std::vector<std::pair<std::string, double>> passes;
+};
+
 // One case that is ready to be drawn again and again.
 struct Prepared {
     Backend* backend = nullptr;  // null on route cpu
@@ -29,6 +36,7 @@ struct Prepared {
     PlanInput input;                  // of the plan
     std::optional<PaletteBlocks> blocks;
     std::unique_ptr<HostSkinning> host;
+    std::deque<DrawnPicture> pictures;  // begun, and not finished, where the host skins
     uint32_t meshlets = 0;
     MemoryBytes memory;
 };
@@ -83,8 +91,10 @@ Result<std::vector<DrawnFrame>> drawFrames(Prepared& ready, std::span<const Fram
 // The verdicts of a verifying plan of the case, in its first pose; none where it culls nothing.
 Result<std::vector<uint32_t>> verdictsOfPose(Workload& workload, const Case& c, Backend& backend);
 
-// Backend::begin of a frame that the device skins; Backend::finish gives what it took.
-Result<void> beginFrame(Prepared& ready, const FrameData& frame);
+// Begins the picture of the last of these frames, which are those of framesOfPose(): it is on its way as Backend::begin
+// has it, or drawn at once where the host skins. finishPicture() gives the one that began first.
+Result<void> beginPicture(Prepared& ready, std::span<const FrameData> frames);
+Result<DrawnPicture> finishPicture(Prepared& ready);
 
 // The mode that shows what the case is about: RunMode::batch with a second queue, else RunMode::timed.
 RunMode modeOf(const Case& c);

@@ -50,6 +50,12 @@ Json sceneJson(const std::string& name, const SceneStats& stats) {
             {"max_influences", stats.maxInfluences}};
 }
 
+std::string sceneText(const SceneStats& stats) {
+    return std::format("{} vertices, {} triangles, {} joints, {} tuples, {:.2f} influences ({} at the most)",
+                       stats.vertices, stats.triangles, stats.joints, stats.uniqueTuples, stats.meanInfluences,
+                       stats.maxInfluences);
+}
+
 static Json meshLimitsJson(const MeshLimitsOfDevice& limits) {
     if (!limits.available) return nullptr;
     return {{"max_vertices", limits.maxVertices},
