@@ -1,5 +1,5 @@
 #!/bin/sh
-# Starts the launcher of the portable tarball under C libraries of several ages.
+# Starts the launcher of the portable tarball under C libraries of several ages, and without a library that it needs.
 # usage: launcher_test.sh LAUNCHER FOLDER
 set -eu
 launcher=$1
@@ -32,4 +32,11 @@ for version in 2.37 2.31 2.4 1.99; do expect "echo glibc $version" 'exit 1' 1 "$
 expect 'exit 127' 'echo "ldd (Debian GLIBC 2.41-12) 2.41"' 7 'bench|two words|'
 expect 'exit 127' 'echo "ldd (GNU libc) 2.17"' 1 "$refusal 2.17; $help"
 expect 'exit 1' 'echo "musl libc (x86_64)" >&2; exit 1' 1 "$refusal another C library; $help"
+# A library that the system lacks is named, by either program.
+cp "$folder/tar/bin/skinbench" "$folder/tar/bin/skinview"
+LC_ALL=C sed 's/libc\.so\.6/libq.so.6/g' /bin/sh >"$folder/tar/libexec/skinview"
+chmod +x "$folder/tar/libexec/skinview"
+ln -sf "$folder/tar/bin/skinview" "$folder/system/skinbench"
+lacking='skinview: this system lacks libq.so.6; install it (Debian and Ubuntu: libopengl0 has libOpenGL.so.0)'
+expect 'echo glibc 2.41' 'exit 1' 1 "$lacking"
 echo "the launcher starts the program or says why not"
