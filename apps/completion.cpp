@@ -41,6 +41,8 @@ std::vector<std::string> valuesOf(std::string name) {
         {"hardware", wordsIn(tableNames(paletteHardware()))},
         {"solver", wordsIn(tableNames(partitionSolvers()))},
         {"order", wordsIn(tableNames(groupOrders()))},
+        {"shell", {"bash", "zsh", "fish"}},
+        {"thesis", {"torabi", "kimmersdorfer"}},
     };
     const auto other = others.find(name);
     return other == others.end() ? std::vector<std::string>() : other->second;
@@ -57,12 +59,17 @@ struct Command {
     std::string name;  // empty: the program itself
     std::string help;
     std::vector<Option> options;
+    std::vector<std::string> words;  // that may follow its name; none: files
 };
 
 Command commandOf(const CLI::App& app, const std::string& name) {
-    Command command{name, app.get_description(), {}};
+    Command command{name, app.get_description(), {}, {}};
+    for (const CLI::App* inner : app.get_subcommands({})) command.words.push_back(inner->get_name());
     for (const CLI::Option* known : app.get_options()) {
-        if (known->get_positional() && known->get_lnames().empty() && known->get_snames().empty()) continue;
+        if (known->get_lnames().empty() && known->get_snames().empty()) {
+            for (const std::string& word : valuesOf(known->get_name())) command.words.push_back(word);
+            continue;
+        }
         Option option{{}, known->get_description(), known->get_items_expected_max() > 0, {}};
         for (const std::string& word : known->get_lnames()) option.names.push_back("--" + word);
         for (const std::string& word : known->get_snames()) option.names.push_back("-" + word);
@@ -103,16 +110,17 @@ std::string optionCases(const std::vector<Command>& commands, const std::string&
     return text;
 }
 
-std::vector<std::string> namesOf(const std::vector<Command>& commands) {
-    std::vector<std::string> names;
+std::string wordCases(const std::vector<Command>& commands, const std::string& before, const std::string& after) {
+    std::string text;
     for (const Command& command : commands)
-        if (!command.name.empty()) names.push_back(command.name);
-    return names;
+        if (!command.words.empty())
+            text += std::format("        '{}') {}{}{} ;;\n", command.name, before, joinedBy(command.words, " "), after);
+    return text;
 }
 
 // Lists of values with commas between them are completed behind the last comma.
 std::string bashScript(const std::vector<Command>& commands) {
-    const std::vector<std::string> names = namesOf(commands);
+    const std::vector<std::string>& names = commands.front().words;
     return "# What bash completes of skinbench; made by `skinbench completion bash`.\n"
            "_skinbench() {\n"
            "    local cur=${COMP_WORDS[COMP_CWORD]} prev=${COMP_WORDS[COMP_CWORD - 1]} command= values= head= word\n"
@@ -135,9 +143,9 @@ std::string bashScript(const std::vector<Command>& commands) {
            "        -*) case $command in\n" +
            optionCases(commands, "values='", "'") +
            "        esac ;;\n"
-           "        *) [ -n \"$command\" ] || values='" +
-           joinedBy(names, " ") +
-           "' ;;\n"
+           "        *) case $command in\n" +
+           wordCases(commands, "values='", "'") +
+           "        esac ;;\n"
            "    esac\n"
            "    [ -z \"$values\" ] || mapfile -t COMPREPLY < <(compgen -W \"$values\" -- \"$cur\")\n"
            "}\n"
@@ -145,7 +153,7 @@ std::string bashScript(const std::vector<Command>& commands) {
 }
 
 std::string zshScript(const std::vector<Command>& commands) {
-    const std::vector<std::string> names = namesOf(commands);
+    const std::vector<std::string>& names = commands.front().words;
     return "#compdef skinbench\n"
            "# What zsh completes of skinbench; made by `skinbench completion zsh`.\n"
            "_skinbench() {\n"
@@ -163,12 +171,11 @@ std::string zshScript(const std::vector<Command>& commands) {
            "        case $command in\n" +
            optionCases(commands, "compadd -- ", "") +
            "        esac\n"
-           "    elif [[ -z $command ]]; then\n"
-           "        compadd -- " +
-           joinedBy(names, " ") +
-           "\n"
            "    else\n"
-           "        _files\n"
+           "        case $command in\n" +
+           wordCases(commands, "compadd -- ", "") +
+           "        *) _files ;;\n"
+           "        esac\n"
            "    fi\n"
            "}\n"
            "_skinbench \"$@\"\n";
@@ -188,6 +195,8 @@ std::string fishScript(const std::vector<Command>& commands) {
         if (!command.name.empty())
             text += std::format("complete -c skinbench -n __fish_use_subcommand -f -a {} -d {}\n", command.name,
                                 quotedForFish(command.help));
+        if (!command.name.empty() && !command.words.empty())
+            text += "complete -c skinbench -n " + when + " -f -a '" + joinedBy(command.words, " ") + "'\n";
         for (const Option& option : command.options) {
             text += "complete -c skinbench -n " + when;
             for (const std::string& name : option.names)

@@ -114,6 +114,9 @@ TEST_CASE("shells complete subcommands, options and the values of the axes") {
     CHECK(completed("skinbench render --method = d") == "dqs ");
     CHECK(completed("skinbench render x.glb --meth") == "--method ");
     CHECK(completed("skinbench partition --ord") == "--order ");
+    CHECK(completed("skinbench scene e") == "export ");
+    CHECK(completed("skinbench completion z") == "zsh ");
+    CHECK(completed("skinbench reproduce ''") == "torabi kimmersdorfer ");
     checkRefused(call({"completion", "tcsh"}), 2, "no shell 'tcsh'; there is bash, zsh, fish");
 }
 
