@@ -19,18 +19,21 @@ struct Lane {
 // Everything that the thread has.
 struct Work {
     Devices devices;
+    std::optional<Error> refused;  // the device that was named
     SceneInfo scene;
     std::optional<Workload> workload;  // of the scene
     std::vector<Lane> lanes;
 };
 
-Devices openBoth(const PictureOptions& options) {
+void openBoth(Work& work, const PictureOptions& options) {
     const std::vector<const Route*> routes = {findRoute("vk"), findRoute("gl")};
     auto devices = attempt([&] { return openDevices(routes, options.device, options.validation); });
-    if (devices) return std::move(*devices);
-    Devices none;
-    for (const Route* route : routes) none.byApi[route->api].missing = devices.error().text;
-    return none;
+    if (devices) {
+        work.devices = std::move(*devices);
+        return;
+    }
+    work.refused = devices.error();
+    for (const Route* route : routes) work.devices.byApi[route->api].missing = devices.error().text;
 }
 
 void drop(Lane& lane) {
@@ -163,6 +166,8 @@ Pictures begin(Work& work, PictureRequest wanted) {
     pictures.request = std::move(wanted);
     const PictureRequest& request = pictures.request;
     pictures.all.resize(request.cases.size());
+    pictures.error = work.refused;
+    if (work.refused) return pictures;
     if (auto loaded = loadScene(work, request); !loaded) pictures.error = loaded.error();
     if (!work.workload) return pictures;
     pictures.scene = work.scene;
@@ -252,7 +257,7 @@ const Backends& PictureThread::backends() const {
 
 void PictureThread::work(const std::stop_token& stop) {
     Work work;
-    work.devices = openBoth(options_);
+    openBoth(work, options_);
     {
         std::lock_guard lock(mutex_);
         backends_ = work.devices.byApi;

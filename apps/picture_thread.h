@@ -56,7 +56,7 @@ struct SceneInfo {
 // The answer to a request.
 struct Pictures {
     PictureRequest request;
-    std::optional<Error> error;         // of the scene or the clip that was asked for
+    std::optional<Error> error;         // of the device, the scene or the clip that was asked for
     SceneInfo scene;                    // that is drawn: for want of another one that before, with its first clip
     double duration = 0;                // of the chosen clip
     Look look, overview;                // before they moved
