@@ -296,6 +296,8 @@ TEST_CASE("backends: a pass that keeps equal depth shades what a depth pass laid
     for (RunMode mode : drawingModes(subject)) CHECK(onlyUpperHalf(subject.image(twice, {stillFrame()}, mode), kGreen));
 }
 
+// --- timings --------------------------------------------------------------------------------------------------------
+
 TEST_CASE("backends: one timing a frame, in the shape of its mode") {
     Subject subject;
     const PlanId id = subject.prepare(computePlan(subject.api()));

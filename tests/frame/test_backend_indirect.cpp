@@ -123,5 +123,3 @@ void main() {
     for (RunMode mode : drawingModes(subject))
         CHECK(countOf(subject.image(plan, {stillFrame()}, mode), kRed) == size_t{kWidth} * kHeight);
 }
-
-// --- timings --------------------------------------------------------------------------------------------------------
