@@ -33,7 +33,8 @@ void setMinimised(GLFWwindow* window, bool minimised) {
     Display* display = glfwGetX11Display();
     const Window own = glfwGetX11Window(window);
     const Atom name = XInternAtom(display, "WM_STATE", False);
-    const unsigned long words[] = {minimised ? IconicState : NormalState, None};
+    const unsigned long state = minimised ? IconicState : NormalState;
+    const unsigned long words[] = {state, None};
     XChangeProperty(display, own, name, name, 32, PropModeReplace, reinterpret_cast<const unsigned char*>(words), 2);
     minimised ? XUnmapWindow(display, own) : XMapWindow(display, own);
     XSync(display, False);
