@@ -1,5 +1,5 @@
-// The thread that draws, without a window. It runs with the tests of the window, as a driver's start costs more than a
-// frame.
+// The thread that draws, by itself. Where it can be, it is that of the tests of the window, as a driver's start costs
+// more than a frame.
 #include <fstream>
 #include <thread>
 
@@ -9,9 +9,10 @@
 
 #include "apps/picture_thread.h"
 #include "tests/cases.h"
-#include "tests/drivers.h"
 
 using namespace skinbench;
+
+PictureThread& threadOfWindow();  // test_view_window.cpp; skips where there are no drivers
 
 namespace {
 
@@ -23,16 +24,10 @@ PictureRequest requestOf(uint64_t number, const std::vector<Case>& cases, double
     return request;
 }
 
-void skipWithoutDrivers(const PictureThread& thread) {
-    for (const auto& [api, open] : thread.backends())
-        if (!open.backend) SKIP("no driver: " + open.missing);
-}
-
 }  // namespace
 
 TEST_CASE("requests that are on the way together have the pictures of their own moments", "[window]") {
-    PictureThread thread({.validation = underValidation(), .every = true});
-    skipWithoutDrivers(thread);
+    PictureThread& thread = threadOfWindow();
     const std::vector<std::vector<Case>> cases = {{makeCase("vk", "compute"), makeCase("gl", "vertex")},
                                                   {makeCase("gl", "compute"), makeCase("gl", "vertex")},
                                                   {makeCase("vk", "cpu"), makeCase("vk", "compute")},
@@ -69,8 +64,8 @@ TEST_CASE("requests that are on the way together have the pictures of their own 
 }
 
 TEST_CASE("a request that has not begun gives way to the next one, which asks for all that both did", "[window]") {
+    threadOfWindow();
     PictureThread thread({});
-    skipWithoutDrivers(thread);
     PictureRequest request = requestOf(1, {makeCase("vk", "vertex"), makeCase("gl", "vertex")});
     request.accuracy = true;
     thread.post(request);  // begins while the next two are posted
