@@ -95,6 +95,9 @@ CaseFigures figuresOf(const CaseResult& result);
 // Whether the case has times that may be published.
 bool isTimed(const CaseResult& result);
 
+// Milliseconds of the device for all passes, of a case that is timed.
+double medianOf(const CaseResult& result);
+
 // Backends by API; an API that could not be opened has a null backend and the reason.
 struct OpenBackend {
     Backend* backend = nullptr;

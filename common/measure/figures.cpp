@@ -33,4 +33,6 @@ CaseFigures figuresOf(const CaseResult& result) {
 
 bool isTimed(const CaseResult& result) { return result.status == CaseStatus::ok && result.figures; }
 
+double medianOf(const CaseResult& result) { return result.figures->total.median; }
+
 }  // namespace skinbench

@@ -12,8 +12,6 @@ namespace {
 
 using Found = std::vector<const CaseResult*>;
 
-double medianOf(const CaseResult& result) { return result.figures->total.median; }
-
 bool isRival(const CaseResult& result) {
     const Case& c = result.theCase;
     return isTimed(result) && !result.isLimit && !result.isAgain && c.variant->skins && c.route->api != Api::cpu &&

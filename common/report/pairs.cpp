@@ -142,7 +142,7 @@ std::string directionOf(const Freedom& freedom, const Json& a, const Json& b) {
     return text;
 }
 
-struct Group {
+struct AlikeRows {
     std::vector<const Json*> a, b;
 };
 
@@ -183,7 +183,7 @@ Pairing pairCases(const Json& a, const Json& b, std::span<const PairAxis> paired
         for (const FileAxis* axis : freedom.fixed) key += comparable(*axis, row) + "\n";
         return key;
     };
-    std::map<std::string, Group> groups;
+    std::map<std::string, AlikeRows> groups;
     for (const Json& row : a["cases"])
         if (isKnown(row)) groups[restOf(row)].a.push_back(&row);
     for (const Json& row : b["cases"])

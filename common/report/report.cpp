@@ -176,8 +176,6 @@ static Json limitJson(const ResultInRun& of) {
     return json;
 }
 
-static double medianOf(const CaseResult& result) { return result.figures->total.median; }
-
 // The device's copy bandwidth, and the most triangles a second that a limit of this run reached.
 static Json peakJson(const RunContext& context, const std::vector<CaseResult>& results, Api api) {
     double most = 0;

@@ -24,13 +24,13 @@ struct Key {
     bool nullable = false;
 };
 
-struct Group {
+struct KeyGroup {
     const char* name;
     std::vector<Key> keys;
 };
 
-const std::vector<Group>& groups() {
-    static const std::vector<Group> rows = {{"tool", {{"version", Kind::text}, {"revision", Kind::text}}},
+const std::vector<KeyGroup>& groups() {
+    static const std::vector<KeyGroup> rows = {{"tool", {{"version", Kind::text}, {"revision", Kind::text}}},
                                             {"host", {{"os", Kind::text}, {"cpu", Kind::text}}},
                                             {"scene",
                                              {{"name", Kind::text},
@@ -50,8 +50,8 @@ const std::vector<Group>& groups() {
     return rows;
 }
 
-const std::vector<Group>& lists() {
-    static const std::vector<Group> rows = {{"devices",
+const std::vector<KeyGroup>& lists() {
+    static const std::vector<KeyGroup> rows = {{"devices",
                                              {{"route_api", Kind::text},
                                               {"name", Kind::text},
                                               {"driver", Kind::text},
@@ -71,8 +71,8 @@ const std::vector<Group>& lists() {
 }
 
 // Of a case; each may be null.
-const std::vector<Group>& figures() {
-    static const std::vector<Group> rows = {
+const std::vector<KeyGroup>& figures() {
+    static const std::vector<KeyGroup> rows = {
         {"gpu_ms",
          {{"median", Kind::number},
           {"min", Kind::number},

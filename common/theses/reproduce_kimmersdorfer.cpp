@@ -112,7 +112,7 @@ const MeshletRow* plainCut(const ReproduceScene& scene, Geometry geometry, const
     return nullptr;
 }
 
-ReproduceTable meshletTable(const std::vector<ReproduceScene>& scenes) {
+ReproduceTable builderTable(const std::vector<ReproduceScene>& scenes) {
     const PublishedKimmersdorfer& published = publishedKimmersdorfer();
     ReproduceTable table{"tables-3.1-3.2", "Tables 3.1, 3.2: meshlets per builder and layout", kNotes,
                          "At most 64 vertices and 124 triangles a meshlet. `scan` is its AVK-Default, `meshopt` "
@@ -344,7 +344,7 @@ Reproduction reproduceKimmersdorfer(const std::vector<ReproduceScene>& scenes) {
         "kimmersdorfer",
         "Vertex Compression with Mesh Shaders for Skinned Meshes",
         "Gerald Kimmersdorfer, bachelor's thesis, TU Wien",
-        {positionTable(scenes), normalTable(scenes), meshletTable(scenes), sceneTable(scenes), bufferTable(scenes),
+        {positionTable(scenes), normalTable(scenes), builderTable(scenes), sceneTable(scenes), bufferTable(scenes),
          blendTable(scenes), printedBlendTable(), timeTable(scenes)},
         kimmersdorferSlips(scenes),
         {"Tables 3.1 and 3.2: of their figures only the meshlets of Playground are known here.",
