@@ -2,6 +2,9 @@
 #include <algorithm>
 #include <filesystem>
 #include <iostream>
+#ifdef __GLIBC__
+#include <malloc.h>
+#endif
 
 #include "apps/command_line.h"
 #include "apps/view/view.h"
@@ -69,11 +72,16 @@ int run(const Words& words) {
         if (drawn++ == 0) first = all;
         if (const auto ended = fault(view.shown.get(), watched)) return *ended;
     }
-    if (!watched && view.shown)
-        std::cout << std::format(
-            "two pictures of {} x {}: the first frame after {:.2f} s, then {} more in {:.2f} s, {:.1f} a second\n",
-            view.shown->all[0].image.width, view.shown->all[0].image.height, first, drawn - 1, all - first,
-            (drawn - 1) / std::max(all - first, 1e-9));
+    if (!watched && !view.shown) return reportError({Fault::device, "ended before a frame was drawn"});
+    if (!watched) {
+        const Image& image = view.shown->all[0].image;
+        std::string text =
+            std::format("two pictures of {} x {}: the first frame after {:.2f} s", image.width, image.height, first);
+        if (drawn > 1)
+            text += std::format(", then {} more in {:.2f} s, {:.1f} a second", drawn - 1, all - first,
+                                (drawn - 1) / (all - first));
+        std::cout << text << "\n";
+    }
     if (last.width)
         if (const auto saved = savePng(last, words.screenshot); !saved) return reportError(saved.error());
     for (const std::string& message : view.messages) say(message);
@@ -153,8 +161,17 @@ void addWords(CLI::App& program, Words& words) {
                      "validation layers and debug output; a message is a failure");
 }
 
+// The memory of a picture is used for the next one: what the system gets back it clears again, page after page.
+void keepMemory() {
+#ifdef __GLIBC__
+    mallopt(M_MMAP_THRESHOLD, 32 << 20);  // the most that there is
+    mallopt(M_TRIM_THRESHOLD, 512 << 20);
+#endif
+}
+
 int runProgram(int argc, char** argv) {
     nameProgram("skinview");
+    keepMemory();
     CLI::App program{
         "Shows two cases of skinbench side by side: one camera, one clock, any routes, variants and codecs.",
         "skinview"};
