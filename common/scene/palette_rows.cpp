@@ -71,25 +71,25 @@ float toHalf(float value) {
 }
 
 // An influence that moves a vertex.
-struct Part {
+struct Share {
     double weight = 0;
     const glm::vec4* rows = nullptr;
     uint16_t joint = 0;
 };
 
-struct Parts {
-    std::array<Part, kMaxInfluences> all;
+struct Shares {
+    std::array<Share, kMaxInfluences> all;
     size_t count = 0;
 };
 
-Parts partsOf(const Influences& influences, std::span<const glm::vec4> rows, uint32_t rowsOfJoint) {
-    Parts parts;
+Shares sharesOf(const Influences& influences, std::span<const glm::vec4> rows, uint32_t rowsOfJoint) {
+    Shares shares;
     for (int k = 0; k < kMaxInfluences; ++k) {
         const uint16_t joint = influences.joints[k];
         if (influences.weights[k] == 0 || joint == kNoJoint) continue;
-        parts.all[parts.count++] = {influences.weights[k], &rows[size_t{joint} * rowsOfJoint], joint};
+        shares.all[shares.count++] = {influences.weights[k], &rows[size_t{joint} * rowsOfJoint], joint};
     }
-    return parts;
+    return shares;
 }
 
 struct Signs {
@@ -97,11 +97,11 @@ struct Signs {
     bool undecided = false;
 };
 
-Signs signsTowards(const Parts& parts, const Part& pivot) {
+Signs signsTowards(const Shares& shares, const Share& pivot) {
     constexpr double kRightAngle = 1e-4;
     Signs signs;
-    for (size_t i = 0; i < parts.count; ++i) {
-        const double cosine = glm::dot(glm::dvec4(*pivot.rows), glm::dvec4(*parts.all[i].rows));
+    for (size_t i = 0; i < shares.count; ++i) {
+        const double cosine = glm::dot(glm::dvec4(*pivot.rows), glm::dvec4(*shares.all[i].rows));
         signs.bits |= uint32_t{cosine < 0} << i;
         signs.undecided = signs.undecided || std::abs(cosine) < kRightAngle;
     }
@@ -109,38 +109,38 @@ Signs signsTowards(const Parts& parts, const Part& pivot) {
 }
 
 // Of the pivot; undecided where a weight as large, but for rounding, would choose others that are not all turned round.
-Signs signsOf(const Parts& parts) {
+Signs signsOf(const Shares& shares) {
     constexpr double kRounding = 0.01;  // of weights, by codecs
-    const auto before = [](const Part& a, const Part& b) {
+    const auto before = [](const Share& a, const Share& b) {
         return a.weight != b.weight ? a.weight > b.weight : a.joint < b.joint;
     };
-    const auto end = parts.all.begin() + static_cast<std::ptrdiff_t>(parts.count);
-    const Part& pivot = *std::min_element(parts.all.begin(), end, before);
-    Signs signs = signsTowards(parts, pivot);
-    const uint32_t all = (1u << parts.count) - 1;
-    for (auto other = parts.all.begin(); other != end; ++other) {
+    const auto end = shares.all.begin() + static_cast<std::ptrdiff_t>(shares.count);
+    const Share& pivot = *std::min_element(shares.all.begin(), end, before);
+    Signs signs = signsTowards(shares, pivot);
+    const uint32_t all = (1u << shares.count) - 1;
+    for (auto other = shares.all.begin(); other != end; ++other) {
         if (pivot.weight - other->weight > kRounding) continue;
-        const uint32_t bits = signsTowards(parts, *other).bits;
+        const uint32_t bits = signsTowards(shares, *other).bits;
         signs.undecided = signs.undecided || (bits != signs.bits && bits != (~signs.bits & all));
     }
     return signs;
 }
 
-struct Moved {
+struct MovedVertex {
     glm::dvec3 position, normal;
 };
 
 // Kavan et al. 2008, algorithm 1, behind the linear part.
-Moved blendDual(const Parts& parts, const Signs& signs, bool stretches, const glm::dvec3& position,
-                const glm::dvec3& normal) {
+MovedVertex blendDual(const Shares& shares, const Signs& signs, bool stretches, const glm::dvec3& position,
+                      const glm::dvec3& normal) {
     glm::dvec4 real(0), dual(0);
     std::array<glm::dvec4, 3> stretch{};
-    for (size_t i = 0; i < parts.count; ++i) {
-        const Part& part = parts.all[i];
-        const double weight = signs.bits >> i & 1 ? -part.weight : part.weight;
-        real += weight * glm::dvec4(part.rows[0]);
-        dual += weight * glm::dvec4(part.rows[1]);
-        for (int row = 0; row < 3 && stretches; ++row) stretch[row] += part.weight * glm::dvec4(part.rows[2 + row]);
+    for (size_t i = 0; i < shares.count; ++i) {
+        const Share& share = shares.all[i];
+        const double weight = signs.bits >> i & 1 ? -share.weight : share.weight;
+        real += weight * glm::dvec4(share.rows[0]);
+        dual += weight * glm::dvec4(share.rows[1]);
+        for (int row = 0; row < 3 && stretches; ++row) stretch[row] += share.weight * glm::dvec4(share.rows[2 + row]);
     }
     const auto stretched = [&](const glm::dvec4& p) {
         return stretches ? glm::dvec3(glm::dot(stretch[0], p), glm::dot(stretch[1], p), glm::dot(stretch[2], p))
@@ -163,9 +163,9 @@ Moved blendDual(const Parts& parts, const Signs& signs, bool stretches, const gl
 SkinnedReference skinDual(const Mesh& mesh, std::span<const glm::vec4> rows, const PaletteForm& form) {
     SkinnedReference reference;
     for (size_t v = 0; v < mesh.positions.size(); ++v) {
-        const Parts parts = partsOf(mesh.influences[v], rows, form.rowsOfJoint());
-        const Signs signs = parts.count ? signsOf(parts) : Signs{};
-        const Moved moved = blendDual(parts, signs, form.stretches, mesh.positions[v], mesh.normals[v]);
+        const Shares shares = sharesOf(mesh.influences[v], rows, form.rowsOfJoint());
+        const Signs signs = shares.count ? signsOf(shares) : Signs{};
+        const MovedVertex moved = blendDual(shares, signs, form.stretches, mesh.positions[v], mesh.normals[v]);
         reference.positions.push_back(moved.position);
         reference.normals.push_back(moved.normal);
         reference.undecided.push_back(signs.undecided);

@@ -66,7 +66,7 @@ int mostInfluences(const Mesh& mesh) {
 }
 
 // Names of the decoders that could decode the mesh.
-std::set<std::string> checkMesh(const Mesh& mesh, const MeshletMesh& meshlets) {
+std::set<std::string> checkDecoded(const Mesh& mesh, const MeshletMesh& meshlets) {
     std::set<std::string> done;
     for (const glsl::Decoder* decoder : glsl::decoders()) {
         INFO("codec " << decoder->codec << ", " << decoder->influences << " influences");
@@ -102,20 +102,20 @@ TEST_CASE("shader decoders: random meshes") {
     for (const uint32_t joints : {1u, 3u, 40u, 900u}) {
         const Mesh mesh = randomMesh(joints + 90, 3001, joints);
         for (const MeshletLimits limits : {MeshletLimits{64, 124}, {3, 1}, {256, 256}})
-            checkHolds(checkMesh(mesh, cutMeshlets(mesh, limits)));
+            checkHolds(checkDecoded(mesh, cutMeshlets(mesh, limits)));
     }
 }
 
 TEST_CASE("shader decoders: eight influences") {
     const Mesh mesh = randomMesh(94, 5000, 60, 8);
-    const auto done = checkMesh(mesh, cutMeshlets(mesh));
+    const auto done = checkDecoded(mesh, cutMeshlets(mesh));
     CHECK(done == std::set<std::string>{"uc", "uc16", "pc", "pc32"});
 }
 
 TEST_CASE("shader decoders: degenerate meshes") {
     for (const auto& [name, mesh] : degenerateMeshes()) {
         CAPTURE(name);
-        checkHolds(checkMesh(mesh, cutMeshlets(mesh)));
+        checkHolds(checkDecoded(mesh, cutMeshlets(mesh)));
     }
 }
 
@@ -123,7 +123,7 @@ TEST_CASE("shader decoders: constant meshlets of one code share vertices and wei
     Mesh mesh = randomMesh(95, 600, 40);
     for (size_t v = 0; v < mesh.influences.size(); ++v)
         mesh.influences[v] = cleanInfluences({{1, 0.75 + 1e-5 * static_cast<double>(v % 7)}, {2, 0.25}});
-    checkHolds(checkMesh(mesh, cutMeshlets(mesh, {16, 16})));
+    checkHolds(checkDecoded(mesh, cutMeshlets(mesh, {16, 16})));
 }
 
 TEST_CASE("shader decoders: more merged tuples than 13 bits count") {
@@ -134,7 +134,7 @@ TEST_CASE("shader decoders: more merged tuples than 13 bits count") {
                                               {static_cast<uint16_t>(2 + v % 256), 0.2},
                                               {static_cast<uint16_t>(300 + v / 256), 0.1}});
     const MeshletMesh meshlets = cutMeshlets(mesh);
-    checkHolds(checkMesh(mesh, meshlets));
+    checkHolds(checkDecoded(mesh, meshlets));
     const auto encoded = *findCodec("dpdc16")->encode({mesh, &meshlets, 4});
     CHECK(std::ranges::count(encoded.defines, std::pair<std::string, std::string>("MOST_TUPLES", "16384")) == 1);
 }
@@ -149,11 +149,11 @@ TEST_CASE("shader decoders: real models") {
         for (const Geometry geometry : {Geometry::welded, Geometry::unwelded}) {
             const auto scene = prepareScene(*loaded, {.geometry = geometry});
             REQUIRE(scene);
-            checkHolds(checkMesh(scene->mesh, findBuilder("meshopt")->build(scene->mesh, {})));
+            checkHolds(checkDecoded(scene->mesh, findBuilder("meshopt")->build(scene->mesh, {})));
         }
         const auto eight = prepareScene(*loaded, {.influences = 8});
         REQUIRE(eight);
-        const auto done = checkMesh(eight->mesh, findBuilder("scan")->build(eight->mesh, {}));
+        const auto done = checkDecoded(eight->mesh, findBuilder("scan")->build(eight->mesh, {}));
         CHECK((done.contains("pc") && done.contains("uc16")));
     }
 }

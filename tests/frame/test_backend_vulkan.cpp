@@ -27,7 +27,7 @@ fs::path cacheFolder() {
     return folder.path;
 }
 
-std::unique_ptr<Backend> openOrSkip() {
+std::unique_ptr<Backend> openChecked() {
     cacheFolder();
     auto devices = listVulkanDevices();
     if (!devices) SKIP(devices.error().text);
@@ -46,7 +46,7 @@ Image draw(Backend& backend, const FramePlan& plan) {
 }  // namespace
 
 TEST_CASE("vulkan: devices have what the specification guarantees") {
-    openOrSkip();
+    openChecked();
     for (const DeviceCaps& caps : must(listVulkanDevices())) {
         CAPTURE(caps.name);
         CHECK(caps.version.starts_with("Vulkan 1."));
@@ -71,7 +71,7 @@ TEST_CASE("vulkan: devices have what the specification guarantees") {
 }
 
 TEST_CASE("vulkan: what the validation layer reports is collected") {
-    auto backend = openOrSkip();
+    auto backend = openChecked();
     if (!openVulkan({.device = {}, .validation = true})) SKIP("no validation layer");
     FramePlan plan = trianglePlan(Api::vulkan);
     plan.programs[0].attributeStride = 51;  // not a multiple of the component's size
@@ -82,11 +82,11 @@ TEST_CASE("vulkan: what the validation layer reports is collected") {
 }
 
 TEST_CASE("vulkan: pipelines are cached across runs, and a broken cache is ignored") {
-    openOrSkip().reset();
+    openChecked().reset();
     const fs::path folder = cacheFolder() / "skinbench";
     fs::remove_all(folder);
     auto drawOnce = [] {
-        auto backend = openOrSkip();
+        auto backend = openChecked();
         CHECK(upperHalf(draw(*backend, trianglePlan(Api::vulkan))) == kRed);
         CHECK(backend->takeMessages().empty());
     };

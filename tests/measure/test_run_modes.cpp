@@ -33,7 +33,7 @@ BenchSettings fewFrames() {
     return settings;
 }
 
-struct Drawn {
+struct ModesDrawn {
     Image timed, overlapped, batched;
     std::vector<Timing> overlap, batch;
 };
@@ -56,7 +56,7 @@ Image imageOf(Backend& backend, const FramePlan& plan, const FrameInput& frame) 
     return std::move(*image);
 }
 
-Drawn drawBothWays(Workload& workload, const Case& c, Backend& backend) {
+ModesDrawn drawBothWays(Workload& workload, const Case& c, Backend& backend) {
     auto input = planInput(workload, c);
     REQUIRE(input);
     auto plan = makePlan(c, *input, backend.caps());
@@ -68,7 +68,7 @@ Drawn drawBothWays(Workload& workload, const Case& c, Backend& backend) {
     const auto palette = paletteBytes(*input, paletteBlocks(c, *input), *frame);
     REQUIRE(palette);
     const std::vector<FrameInput> inputs(2, {frame->constants, *palette, {}});
-    Drawn drawn;
+    ModesDrawn drawn;
     REQUIRE(backend.run(*id, inputs));
     drawn.timed = *backend.readImage(*id);
     auto overlap = backend.run(*id, inputs, RunMode::overlap);
@@ -251,7 +251,7 @@ TEST_CASE("passes that overlap draw the same image, and are timed as one") {
     for (const Case& c : cases) {
         INFO(caseId(c));
         Backend& backend = *openedBackends().at(c.route->api).backend;
-        const Drawn drawn = drawBothWays(workload, c, backend);
+        const ModesDrawn drawn = drawBothWays(workload, c, backend);
         CHECK(compareImages(drawn.timed, drawn.overlapped, 0).fraction == 0);
         for (const Timing& timing : drawn.overlap) CHECK(timing.passes.size() == 1);
         CHECK(compareImages(drawn.timed, drawn.batched, 0).fraction == 0);

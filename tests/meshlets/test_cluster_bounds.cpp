@@ -34,7 +34,7 @@ using namespace skinbench;
 namespace {
 
 // Xorshift (Marsaglia, 2003): much faster than the library's, which would take most of the time.
-struct Random {
+struct FastRandom {
     uint64_t state;
     float unit() {
         state ^= state << 13, state ^= state >> 7, state ^= state << 17;
@@ -46,7 +46,7 @@ struct Random {
 };
 
 // A rotation with a scale of each axis, a shear, now and then a mirror, and a translation.
-PaletteEntry randomJoint(Random& random) {
+PaletteEntry randomJoint(FastRandom& random) {
     glm::mat4 m(1);
     m = glm::rotate(m, random.between(0, 6.28f), random.inBox(1) + glm::vec3(0, 0, 2));
     m = glm::scale(m, glm::vec3(random.between(0.3f, 2), random.between(0.3f, 2), random.between(0.3f, 2)));
@@ -59,7 +59,7 @@ PaletteEntry randomJoint(Random& random) {
 }
 
 // Looks past or at the origin from any side, near or far.
-glm::mat4 randomView(Random& random) {
+glm::mat4 randomView(FastRandom& random) {
     const glm::vec3 eye = glm::normalize(random.inBox(1) + glm::vec3(0, 0, 0.01f)) * random.between(0.5f, 30);
     const float angle = glm::radians(random.between(10, 70));
     glm::mat4 view = glm::perspectiveRH_ZO(angle, 16.0f / 9, 0.05f, random.between(10, 60)) *
@@ -94,7 +94,7 @@ struct Meshlets {
 };
 
 // Points in a small box, each moved by up to four of `joints` joints.
-Meshlets randomPoints(Random& random, uint32_t joints) {
+Meshlets randomPoints(FastRandom& random, uint32_t joints) {
     Meshlets made;
     const glm::vec3 center = random.inBox(1);
     for (uint32_t v = 0; v < 12; ++v) {
@@ -142,7 +142,7 @@ struct Escapes {
 };
 
 // One palette and one camera over all meshlets.
-Escapes tryPalette(Random& random, const Meshlets& made, const ClusterSet& set, uint32_t joints, float shrink) {
+Escapes tryPalette(FastRandom& random, const Meshlets& made, const ClusterSet& set, uint32_t joints, float shrink) {
     Escapes escapes;
     Palette palette(joints);
     for (PaletteEntry& joint : palette) joint = randomJoint(random);
@@ -171,7 +171,7 @@ Escapes onAllCores(uint64_t count, const Of& of) {
     const size_t workers = coreCount();
     std::vector<Escapes> parts(workers);
     parallelEach(workers, [&](size_t worker) {
-        Random random{0x9E3779B97F4A7C15u * (worker + 1)};
+        FastRandom random{0x9E3779B97F4A7C15u * (worker + 1)};
         for (uint64_t i = worker; i < count; i += workers) {
             const Escapes one = of(random);
             parts[worker].tested += one.tested, parts[worker].culled += one.culled;
@@ -191,7 +191,7 @@ constexpr ClusterBounds kPartKinds[] = {ClusterBounds::jointSpheres, ClusterBoun
 TEST_CASE("no skinned vertex leaves the bounds of its meshlet, whatever the palette: random meshlets") {
     for (ClusterBounds bounds : kPartKinds) {
         auto tries = [&](float shrink) {
-            return [&, shrink](Random& random) {
+            return [&, shrink](FastRandom& random) {
                 const uint32_t joints = 1 + random.below(5);
                 const Meshlets made = randomPoints(random, joints);
                 return tryPalette(random, made, boundClusters(made.mesh, made.cut, bounds), joints, shrink);
@@ -217,7 +217,7 @@ TEST_CASE("no skinned vertex leaves the bounds of its meshlet, whatever the pale
         const ClusterSet set = boundClusters(made.mesh, made.cut, bounds);
         REQUIRE(set.weightError < shader::kWeightError);
         const Escapes all =
-            onAllCores(20'000, [&](Random& random) { return tryPalette(random, made, set, joints, 1); });
+            onAllCores(20'000, [&](FastRandom& random) { return tryPalette(random, made, set, joints, 1); });
         CHECK(all.tested >= 550'000 / 3);
         CHECK(all.escaped == 0);
         CHECK(all.culled > 0);
@@ -227,7 +227,7 @@ TEST_CASE("no skinned vertex leaves the bounds of its meshlet, whatever the pale
 namespace {
 
 // A few triangles of a curved patch that one joint moves, some of them much smaller than a pixel.
-Meshlets randomPatch(Random& random) {
+Meshlets randomPatch(FastRandom& random) {
     Meshlets made;
     const glm::vec3 center = random.inBox(1);
     const glm::mat3 turn(glm::rotate(glm::mat4(1), random.between(0, 6.28f), random.inBox(1) + glm::vec3(0, 0, 2)));
@@ -252,7 +252,7 @@ Meshlets randomPatch(Random& random) {
 }
 
 // Twice the area in pixels, y down, with every position moved to one of the rasteriser's around it.
-double roundedArea(Random& random, const std::array<glm::vec4, 3>& clip) {
+double roundedArea(FastRandom& random, const std::array<glm::vec4, 3>& clip) {
     std::array<glm::dvec2, 3> at;
     for (int i = 0; i < 3; ++i) {
         const glm::vec2 pixel = glm::vec2(clip[i]) / clip[i].w * 0.5f * glm::vec2(shader::kWidth, shader::kHeight);
@@ -263,7 +263,7 @@ double roundedArea(Random& random, const std::array<glm::vec4, 3>& clip) {
     return ab.x * ac.y - ab.y * ac.x;
 }
 
-Escapes tryCone(Random& random, bool trusting) {
+Escapes tryCone(FastRandom& random, bool trusting) {
     const Meshlets made = randomPatch(random);
     const ClusterSet set = boundClusters(made.mesh, made.cut, ClusterBounds::jointSpheres);
     ClusterCone cone = set.clusters[0].cone;
@@ -285,15 +285,15 @@ Escapes tryCone(Random& random, bool trusting) {
 }  // namespace
 
 TEST_CASE("no face that the rasteriser may take for a front face lies in a culled cone, whatever the joint does") {
-    const Escapes all = onAllCores(1'000'000, [](Random& random) { return tryCone(random, false); });
+    const Escapes all = onAllCores(1'000'000, [](FastRandom& random) { return tryCone(random, false); });
     CHECK(all.escaped == 0);
     CHECK(all.culled * 20 > all.tested);
     // Without the margin for rounding some do.
-    CHECK(onAllCores(400'000, [](Random& random) { return tryCone(random, true); }).escaped > 0);
+    CHECK(onAllCores(400'000, [](FastRandom& random) { return tryCone(random, true); }).escaped > 0);
 }
 
 TEST_CASE("meshlets of more than sixteen joints are not tested, and cones need one joint and faces with an area") {
-    Random random{7};
+    FastRandom random{7};
     Meshlets many = randomPoints(random, 4);
     for (uint16_t v = 0; v < 12; ++v) {
         many.mesh.influences[v] = {};
@@ -321,7 +321,7 @@ TEST_CASE("meshlets of more than sixteen joints are not tested, and cones need o
 }
 
 TEST_CASE("the words of clusters: no half float is below its radius") {
-    Random random{5};
+    FastRandom random{5};
     for (int i = 0; i < 200; ++i) {
         const Meshlets made = randomPoints(random, 4);
         const ClusterSet set = boundClusters(made.mesh, made.cut, ClusterBounds::jointSpheres);

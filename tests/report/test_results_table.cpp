@@ -59,7 +59,7 @@ RunContext contextOf(bool software = false) {
 
 // Vulkan's mesh stages beat its compute pass, OpenGL's do not; NV beats EXT, and the APIs are not told apart in `vk`
 // and `gl`.
-std::vector<CaseResult> sample() {
+std::vector<CaseResult> sampleRows() {
     return {timed("vk/none/uc", 1),
             timed("vk/vertex/uc", 20),
             timed("vk/vertex/uc+pull", 16),
@@ -120,17 +120,17 @@ std::string ratioOf(const std::string& table, const std::string& start) {
 }  // namespace
 
 TEST_CASE("the table begins with what was drawn, and says once what all ids share") {
-    const auto lines = linesOf(tableOf(sample()));
+    const auto lines = linesOf(tableOf(sampleRows()));
     CHECK(lines[0] == "Sample GPU: 200 copies of hero (56,842 vertices, 163 joints), 1920x1080, raster full");
     CHECK(lines[1] == "in every id: /uc, with meshlets /meshopt/redirect");
     // In a pipe every case has its whole id and its status.
-    const std::string piped = tableOf(sample(), 0);
+    const std::string piped = tableOf(sampleRows(), 0);
     CHECK(hasLine(piped, "vk-nv/mesh/uc/meshopt/redirect 12.000"));
     CHECK_THAT(piped, ContainsSubstring("  ok\n") && ContainsSubstring("skipped: Sample GPU has no GL_EXT"));
 }
 
 TEST_CASE("cases of a route are together, the fastest first, and what skins nothing last") {
-    const auto lines = linesOf(tableOf(sample()));
+    const auto lines = linesOf(tableOf(sampleRows()));
     std::vector<std::string> names;
     for (const std::string& line : lines)
         if (!squeezed(line).empty()) names.push_back(squeezed(line).substr(0, squeezed(line).find(' ')));
@@ -141,27 +141,27 @@ TEST_CASE("cases of a route are together, the fastest first, and what skins noth
 }
 
 TEST_CASE("times are shown as ratios to the fastest vertex case of the API, or to a baseline that is named") {
-    const std::string table = tableOf(sample());
+    const std::string table = tableOf(sampleRows());
     CHECK_THAT(table, ContainsSubstring("  of vertex  "));
     CHECK(ratioOf(table, "compute 14.000") == "0.88");
     CHECK(ratioOf(table, "compute 14.005") == "0.67");
     RunContext context = contextOf();
     context.baseline = "compute";
-    CHECK_THAT(tableOf(sample(), 100, context), ContainsSubstring("  of compute  "));
-    CHECK(ratioOf(tableOf(sample(), 100, context), "vertex+pull 16.000") == "1.14");
+    CHECK_THAT(tableOf(sampleRows(), 100, context), ContainsSubstring("  of compute  "));
+    CHECK(ratioOf(tableOf(sampleRows(), 100, context), "vertex+pull 16.000") == "1.14");
     context.baseline = "vk/compute/uc";
-    const Json json = resultsJson(context, sample());
+    const Json json = resultsJson(context, sampleRows());
     CHECK(json["baseline"] == "vk/compute/uc");
     CHECK(json["cases"][6]["baseline_id"] == "vk/compute/uc");
     CHECK(ratioOf(resultsTable(json, 100), "vertex 21.000") == "1.50");
     // Of another task there is none.
-    std::vector<CaseResult> results = sample();
+    std::vector<CaseResult> results = sampleRows();
     results.push_back(timed("vk/compute/uc+discard", 3));
     CHECK(resultsJson(contextOf(), results)["cases"].back()["baseline_id"].is_null());
 }
 
 TEST_CASE("the last lines say which case, stage, extension and API is the fastest") {
-    const std::string table = tableOf(sample());
+    const std::string table = tableOf(sampleRows());
     INFO(table);
     CHECK(hasLine(table, "fastest: vk-nv/mesh/uc/meshopt/redirect, 12.000 ms; 0.750 (0."));
     CHECK(hasLine(table, "next: vk-ext/mesh, 13.000 ms; 1.083 (1."));
@@ -174,7 +174,7 @@ TEST_CASE("the last lines say which case, stage, extension and API is the fastes
     CHECK(!hasLine(table, "EXT against NV, OpenGL"));
     CHECK(hasLine(table, "vk-nv against gl-nv 0.800 (0."));
     CHECK(table.find('*') == std::string::npos);
-    const Json json = resultsJson(contextOf(), sample());
+    const Json json = resultsJson(contextOf(), sampleRows());
     CHECK(json["answers"][0]["question"] == "fastest");
     CHECK(json["answers"][0]["first"] == "vk-nv/mesh/uc/meshopt/redirect");
     CHECK(json["answers"][0]["second"] == "vk/vertex/uc+pull");
@@ -238,7 +238,7 @@ TEST_CASE("every task has answers of its own") {
 }
 
 TEST_CASE("times of software drivers are marked, answered for themselves, and compare nothing about a GPU") {
-    const std::string table = tableOf(sample(), 100, contextOf(true));
+    const std::string table = tableOf(sampleRows(), 100, contextOf(true));
     CHECK(linesOf(table).front().starts_with("Sample GPU, a software driver: 200 copies"));
     CHECK(ratioOf(table, "compute 14.000*") == "0.88*");
     CHECK_THAT(table, ContainsSubstring("0.857* (0."));
@@ -247,7 +247,7 @@ TEST_CASE("times of software drivers are marked, answered for themselves, and co
     // Beside a GPU they are no rivals.
     RunContext mixed = contextOf();
     mixed.devices[0].software = true;
-    const std::string both = tableOf(sample(), 100, mixed);
+    const std::string both = tableOf(sampleRows(), 100, mixed);
     CHECK_THAT(both, ContainsSubstring("\nfastest: gl/compute/uc, 14.005 ms;"));
     CHECK(!hasLine(both, "vk against gl"));
     CHECK_THAT(both, ContainsSubstring("* software driver"));
@@ -257,14 +257,14 @@ TEST_CASE("cases that were skipped for one reason are joined, and words without 
     RunContext context = contextOf();
     context.unused = {{"variant", "--variants", {"mesh-ci"}, "mesh-ci needs vk-ext, vk-nv, gl-ext or gl-nv"},
                       {"ci_min", "--ci-min", {"3", "4"}, "--ci-min needs the variant mesh-ci"}};
-    const std::string table = tableOf(sample(), 100, context);
+    const std::string table = tableOf(sampleRows(), 100, context);
     CHECK_THAT(table, ContainsSubstring("\nskipped\n  gl-ext none and mesh: Sample GPU has no GL_EXT_mesh_shader\n"
                                         "  --variants: mesh-ci needs vk-ext, vk-nv, gl-ext or gl-nv\n"
                                         "  --ci-min needs the variant mesh-ci\n"));
     CHECK_THAT(table, ContainsSubstring("10 of 12 cases verified and timed, 2 skipped\n"));
-    CHECK_THAT(tableOf(sample(), 0, context),
+    CHECK_THAT(tableOf(sampleRows(), 0, context),
                ContainsSubstring("\n--variants mesh-ci ") && ContainsSubstring("  skipped: mesh-ci needs vk-ext"));
-    const Json json = resultsJson(context, sample());
+    const Json json = resultsJson(context, sampleRows());
     CHECK(json["unused"][0]["words"] == Json{"mesh-ci"});
 }
 
@@ -279,7 +279,7 @@ TEST_CASE("what was verified and interrupted before it was timed counts as verif
 }
 
 TEST_CASE("no line is longer than the terminal") {
-    std::vector<CaseResult> results = sample();
+    std::vector<CaseResult> results = sampleRows();
     results.push_back(
         timed("vk-ext/mesh-ci/pdc16/scan/fixed+64-64+ci-triangles+ci-min-12+clamped-loads+8-influences", 9));
     results.push_back(

@@ -23,7 +23,7 @@ void checkMessage(const Error& error, const std::string& file) {
     CHECK_FALSE(error.text.ends_with('.'));
 }
 
-struct Case {
+struct BadFile {
     const char* expected;  // part of the message
     std::function<void(Gltf&)> damage;
 };
@@ -31,7 +31,7 @@ struct Case {
 const float kNan = std::numeric_limits<float>::quiet_NaN();
 const float kInfinity = std::numeric_limits<float>::infinity();
 
-const std::vector<Case> kStructure = {
+const std::vector<BadFile> kStructure = {
     {"has no asset version", [](Gltf& g) { g.tree.erase("asset"); }},
     {"is glTF 1.0", [](Gltf& g) { g.tree["asset"]["version"] = "1.0"; }},
     {"needs the extension FOO_bar", [](Gltf& g) { g.tree["extensionsRequired"] = {"FOO_bar"}; }},
@@ -138,7 +138,7 @@ const std::vector<Case> kStructure = {
      }},
 };
 
-const std::vector<Case> kData = {
+const std::vector<BadFile> kData = {
     {"bufferView 0: buffer 7 does not exist", [](Gltf& g) { g.tree["bufferViews"][0]["buffer"] = 7; }},
     {"bufferView 0 needs a buffer", [](Gltf& g) { g.tree["bufferViews"][0].erase("buffer"); }},
     {"bufferView 0: 1000000 bytes at 0 go past", [](Gltf& g) { g.tree["bufferViews"][0]["byteLength"] = 1000000; }},
@@ -222,7 +222,7 @@ json meshopt(uint64_t count, uint64_t stride, const char* mode, const char* filt
               {"filter", filter}}}};
 }
 
-const std::vector<Case> kAnimations = {
+const std::vector<BadFile> kAnimations = {
     {"animation 0: channel 0: sampler 4 does not exist",
      [](Gltf& g) { g.tree["animations"][0]["channels"][0]["sampler"] = 4; }},
     {"animation 0: channel 0: node 9 does not exist",
@@ -277,8 +277,8 @@ const std::vector<Case> kAnimations = {
      }},
 };
 
-void checkCases(const std::vector<Case>& cases) {
-    for (const Case& bad : cases) {
+void checkCases(const std::vector<BadFile>& cases) {
+    for (const BadFile& bad : cases) {
         Gltf g = fixture::small();
         bad.damage(g);
         INFO(bad.expected);

@@ -20,7 +20,7 @@ JointTuple tuple(std::initializer_list<uint16_t> joints) {
 }
 
 // One vertex per tuple, in the given order, weights descending.
-Mesh meshOf(const std::vector<std::vector<uint16_t>>& tuples) {
+Mesh meshOfTuples(const std::vector<std::vector<uint16_t>>& tuples) {
     Mesh mesh;
     for (const auto& joints : tuples) {
         Influences list;
@@ -117,7 +117,7 @@ std::vector<JointTuple> sortedEntries(const Mesh& mesh) {
 }  // namespace
 
 TEST_CASE("distinct tuples stand in descending order, kNoJoint first") {
-    const Mesh mesh = meshOf({{1, 2}, {5}, {1}, {1, 2}, {1, 2, 3, 4}, {1, 3}});
+    const Mesh mesh = meshOfTuples({{1, 2}, {5}, {1}, {1, 2}, {1, 2, 3, 4}, {1, 3}});
     const TupleTable table = distinctTuples(mesh, 4);
     CHECK(table.tuples == std::vector{tuple({5}), tuple({1}), tuple({1, 3}), tuple({1, 2}), tuple({1, 2, 3, 4})});
     CHECK(table.vertexTuple == std::vector<uint32_t>{3, 0, 1, 3, 4, 2});
@@ -125,7 +125,7 @@ TEST_CASE("distinct tuples stand in descending order, kNoJoint first") {
 }
 
 TEST_CASE("a prefix follows the largest next joint") {
-    const Mesh mesh = meshOf({{1, 2}, {5}, {1}, {1, 2}, {1, 2, 3, 4}, {1, 3}});
+    const Mesh mesh = meshOfTuples({{1, 2}, {5}, {1}, {1, 2}, {1, 2, 3, 4}, {1, 3}});
     const TupleTable table = reuseTuples(distinctTuples(mesh, 4));
     CHECK(table.tuples == std::vector{tuple({5}), tuple({1, 3}), tuple({1, 2, 3, 4})});
     CHECK(table.vertexTuple == std::vector<uint32_t>{2, 0, 1, 2, 2, 1});
@@ -136,7 +136,7 @@ TEST_CASE("a prefix follows the largest next joint") {
 }
 
 TEST_CASE("order of joints matters for reuse, not for sort-and-merge") {
-    const Mesh mesh = meshOf({{1, 2, 3, 4}, {4, 3, 2, 1}, {2, 1, 4, 3}});
+    const Mesh mesh = meshOfTuples({{1, 2, 3, 4}, {4, 3, 2, 1}, {2, 1, 4, 3}});
     CHECK(reuseTuples(distinctTuples(mesh, 4)).tuples.size() == 3);
     const MergedTuples merged = mergeTuples(distinctTuples(mesh, 4));
     CHECK(merged.table.tuples == std::vector{tuple({1, 2, 3, 4})});
@@ -145,7 +145,7 @@ TEST_CASE("order of joints matters for reuse, not for sort-and-merge") {
 }
 
 TEST_CASE("figure 2.5, in order of events") {
-    const Mesh mesh = meshOf({{6, 8}, {8, 4, 7}, {2, 8}, {2, 5}, {0}, {5, 2}, {9, 3, 1, 7}});
+    const Mesh mesh = meshOfTuples({{6, 8}, {8, 4, 7}, {2, 8}, {2, 5}, {0}, {5, 2}, {9, 3, 1, 7}});
     const MergedTuples merged = mergeTuples(distinctTuples(mesh, 4));
     REQUIRE(merged.merges.size() == 2);
     CHECK(merged.merges[0] == TupleMerge{tuple({0}), tuple({4, 7, 8}), tuple({0, 4, 7, 8}), 1});
@@ -176,7 +176,7 @@ TEST_CASE("sort-and-merge equals a literal reading of the rules") {
                 std::swap(list[j - 1], list[random.below(static_cast<uint32_t>(j))]);
             tuples.push_back(list);
         }
-        const Mesh mesh = meshOf(tuples);
+        const Mesh mesh = meshOfTuples(tuples);
         const MergedTuples merged = mergeTuples(distinctTuples(mesh, 4));
         CHECK(merged.merges == mergeSlowly(sortedEntries(mesh)));
         CHECK(merged.table.tuples.size() + merged.merges.size() == sortedEntries(mesh).size());
@@ -229,7 +229,7 @@ TEST_CASE("degenerate meshes") {
 
 TEST_CASE("influences that are not clean are named") {
     const auto fault = [](const std::function<void(Influences&)>& change) {
-        Mesh mesh = meshOf({{4}, {1, 2, 3}});
+        Mesh mesh = meshOfTuples({{4}, {1, 2, 3}});
         REQUIRE(checkInfluences(mesh, 4).has_value());
         change(mesh.influences[1]);
         const auto checked = checkInfluences(mesh, 4);

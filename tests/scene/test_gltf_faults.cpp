@@ -20,11 +20,15 @@ std::string fault(const std::string& name) {
     return folder + "/" + name;
 }
 
-Scene load(const std::string& name) {
+Scene loadFault(const std::string& name) {
     auto scene = loadScene(fault(name));
     INFO(name << ": " << (scene ? "" : scene.error().text));
     REQUIRE(scene);
     return std::move(*scene);
+}
+
+bool warns(const Scene& scene, const std::string& text) {
+    return std::ranges::any_of(scene.warnings, [&](const std::string& w) { return w.find(text) != w.npos; });
 }
 
 std::string refusal(const std::string& name) {
@@ -35,23 +39,19 @@ std::string refusal(const std::string& name) {
     return scene.error().text;
 }
 
-bool warns(const Scene& scene, const std::string& text) {
-    return std::ranges::any_of(scene.warnings, [&](const std::string& w) { return w.find(text) != w.npos; });
-}
-
 }  // namespace
 
 TEST_CASE("what is ignored or hidden is said") {
-    const Scene rigid = load("skin_without_attributes_all.glb");
+    const Scene rigid = loadFault("skin_without_attributes_all.glb");
     CHECK(warns(rigid, "1 primitive has a skin but no JOINTS_0"));
     CHECK_FALSE(checkSkinned(rigid));
-    const Scene hidden = load("node_visibility.glb");
+    const Scene hidden = loadFault("node_visibility.glb");
     CHECK(hidden.parts.size() == 1);
     CHECK(warns(hidden, "hidden by KHR_node_visibility"));
 }
 
 TEST_CASE("a mirrored armature is wound by its mesh's node") {
-    const Scene mirrored = load("mirrored_armature.glb"), plain = load("end_pose.glb");
+    const Scene mirrored = loadFault("mirrored_armature.glb"), plain = loadFault("end_pose.glb");
     REQUIRE(mirrored.mesh.indices.size() == plain.mesh.indices.size());
     CHECK(mirrored.mesh.indices[1] == plain.mesh.indices[2]);
     CHECK(mirrored.mesh.indices[2] == plain.mesh.indices[1]);
@@ -59,7 +59,7 @@ TEST_CASE("a mirrored armature is wound by its mesh's node") {
 }
 
 TEST_CASE("the end of a clip is its last pose") {
-    const Scene scene = load("end_pose.glb");
+    const Scene scene = loadFault("end_pose.glb");
     const Clip& clip = scene.clips.at(0);
     const auto at = [&](float t) { return skinReference(scene.mesh, poseScene(scene, &clip, t)).positions; };
     const auto end = at(clip.duration), before = at(clip.duration * 0.9999f), start = at(0);
@@ -73,7 +73,7 @@ TEST_CASE("the end of a clip is its last pose") {
 }
 
 TEST_CASE("eight jumps of a clip are all in its bounds") {
-    const auto scene = prepareScene(load("eight_jumps.glb"), {});
+    const auto scene = prepareScene(loadFault("eight_jumps.glb"), {});
     REQUIRE(scene);
     const Clip& clip = scene->clips.at(0);
     const Bounds bounds = clipBounds(*scene, &clip);
@@ -85,13 +85,13 @@ TEST_CASE("eight jumps of a clip are all in its bounds") {
 }
 
 TEST_CASE("files that other readers read are read") {
-    const Scene packed = load("meshopt_khr_required.glb");
+    const Scene packed = loadFault("meshopt_khr_required.glb");
     CHECK(packed.mesh.positions.size() == 289);
     CHECK(packed.warnings.empty());  // its weights sum to 1
-    CHECK(load("byte_stride_zero.glb").mesh.positions == load("end_pose.glb").mesh.positions);
-    CHECK(load("second_skin_empty.glb").mesh.positions.size() == 289);
-    CHECK(load("uri_backslash.gltf").mesh.positions.size() == 289);
-    const Scene shared = load("shared_100k_x400_meshes.glb");
+    CHECK(loadFault("byte_stride_zero.glb").mesh.positions == loadFault("end_pose.glb").mesh.positions);
+    CHECK(loadFault("second_skin_empty.glb").mesh.positions.size() == 289);
+    CHECK(loadFault("uri_backslash.gltf").mesh.positions.size() == 289);
+    const Scene shared = loadFault("shared_100k_x400_meshes.glb");
     CHECK(shared.parts.size() == 400);
     CHECK(shared.mesh.positions.size() < 400 * 1000);
 }
@@ -101,6 +101,6 @@ TEST_CASE("files that ask for much are refused in one line or load small") {
     CHECK_THAT(refusal("fuzz/two_kB_asks_1_GiB_meshopt.glb"), ContainsSubstring("two_kB_asks_1_GiB_meshopt.glb: "));
     CHECK_THAT(refusal("fuzz/uri_absolute.gltf"), ContainsSubstring("is absolute"));
     CHECK_THAT(refusal("fuzz/positions_1e20.glb"), ContainsSubstring("scale the file"));
-    CHECK(load("fuzz/eight_kB_asks_20_GB_primitives.glb").mesh.positions.size() < 1000);
-    CHECK(load("fuzz/28_kB_runs_minutes_skins.glb").skeleton.joints.size() < 1000);
+    CHECK(loadFault("fuzz/eight_kB_asks_20_GB_primitives.glb").mesh.positions.size() < 1000);
+    CHECK(loadFault("fuzz/28_kB_runs_minutes_skins.glb").skeleton.joints.size() < 1000);
 }

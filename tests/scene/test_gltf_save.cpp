@@ -15,15 +15,15 @@ namespace fs = std::filesystem;
 
 namespace {
 
-struct Folder {
+struct SavedFolder {
     fs::path path;
-    Folder() {
+    SavedFolder() {
         std::string name = (fs::temp_directory_path() / "skinbench_save_XXXXXX").string();
         REQUIRE(mkdtemp(name.data()));
         path = name;
     }
-    Folder(const Folder&) = delete;
-    ~Folder() {
+    SavedFolder(const SavedFolder&) = delete;
+    ~SavedFolder() {
         std::error_code ignored;
         fs::remove_all(path, ignored);
     }
@@ -43,7 +43,7 @@ uint32_t wordAt(const std::string& bytes, size_t offset) {
 
 nlohmann::json jsonOf(const std::string& bytes) { return nlohmann::json::parse(bytes.substr(20, wordAt(bytes, 12))); }
 
-Scene make(const std::string& name, uint32_t vertices) {
+Scene madeScene(const std::string& name, uint32_t vertices) {
     auto scene = makeBuiltin(name, vertices);
     REQUIRE(scene);
     return std::move(*scene);
@@ -128,29 +128,29 @@ Scene wideScene() {
 }  // namespace
 
 TEST_CASE("a saved scene loads back equal") {
-    const Folder folder;
+    const SavedFolder folder;
     for (const BuiltinScene& builtin : builtinScenes()) {
         INFO(builtin.name);
-        const Scene scene = make(builtin.name, 3'000);
+        const Scene scene = madeScene(builtin.name, 3'000);
         checkEqual(scene, saveAndLoad(scene, folder.file(std::string(builtin.name) + ".glb")));
     }
 }
 
 TEST_CASE("32-bit indices are kept") {
-    const Folder folder;
-    const Scene scene = make("robot", 90'000);
+    const SavedFolder folder;
+    const Scene scene = madeScene("robot", 90'000);
     checkEqual(scene, saveAndLoad(scene, folder.file("robot.glb")));
 }
 
 TEST_CASE("eight influences and 16-bit joints are kept") {
-    const Folder folder;
+    const SavedFolder folder;
     const Scene scene = wideScene();
     checkEqual(scene, saveAndLoad(scene, folder.file("wide.glb")));
 }
 
 TEST_CASE("each part becomes a primitive of its own index range") {
-    const Folder folder;
-    Scene scene = make("biped", 2'000);
+    const SavedFolder folder;
+    Scene scene = madeScene("biped", 2'000);
     const auto half = uint32_t(scene.mesh.indices.size() / 6 * 3);
     scene.parts = {{"front", 0, half, false}, {"rest", half, uint32_t(scene.mesh.indices.size()) - half, false}};
     checkEqual(scene, saveAndLoad(scene, folder.file("biped.glb")));
@@ -158,8 +158,8 @@ TEST_CASE("each part becomes a primitive of its own index range") {
 }
 
 TEST_CASE("an irrelevant joint is written as joint 0 with weight 0") {
-    const Folder folder;
-    Scene scene = make("biped", 2'000);
+    const SavedFolder folder;
+    Scene scene = madeScene("biped", 2'000);
     const std::vector<Influences> asMade = scene.mesh.influences;
     cleanWeights(scene.mesh, 4);
     REQUIRE(scene.mesh.influences[0].joints[7] == kNoJoint);
@@ -173,7 +173,7 @@ TEST_CASE("an irrelevant joint is written as joint 0 with weight 0") {
 }
 
 TEST_CASE("a joint that shares its node with another gets a node of its own") {
-    const Folder folder;
+    const SavedFolder folder;
     Scene scene = wideScene();
     scene.skeleton.joints[299].node = 5;
     const Scene loaded = saveAndLoad(scene, folder.file("twice.glb"));
@@ -186,9 +186,9 @@ TEST_CASE("a joint that shares its node with another gets a node of its own") {
 }
 
 TEST_CASE("the container is laid out as glTF 2.0 asks") {
-    const Folder folder;
+    const SavedFolder folder;
     for (const uint32_t vertices : {2'000u, 2'500u, 3'001u}) {
-        const Scene scene = make("creature", vertices);
+        const Scene scene = madeScene("creature", vertices);
         REQUIRE(saveGlb(scene, folder.file("c.glb")));
         const std::string bytes = readAll(folder.file("c.glb"));
         CHECK(bytes.substr(0, 4) == "glTF");
@@ -223,8 +223,8 @@ TEST_CASE("the container is laid out as glTF 2.0 asks") {
 }
 
 TEST_CASE("a file that cannot be written is an error and leaves nothing behind") {
-    const Folder folder;
-    const Scene scene = make("robot", 2'000);
+    const SavedFolder folder;
+    const Scene scene = madeScene("robot", 2'000);
     fs::create_directory(folder.path / "taken.glb");
     const auto saved = saveGlb(scene, folder.file("taken.glb"));
     REQUIRE_FALSE(saved);
@@ -235,8 +235,8 @@ TEST_CASE("a file that cannot be written is an error and leaves nothing behind")
 }
 
 TEST_CASE("a broken scene is not saved") {
-    const Folder folder;
-    Scene scene = make("robot", 2'000);
+    const SavedFolder folder;
+    Scene scene = madeScene("robot", 2'000);
     scene.mesh.indices[0] = 1u << 30;
     const auto saved = saveGlb(scene, folder.file("broken.glb"));
     REQUIRE_FALSE(saved);
@@ -245,7 +245,7 @@ TEST_CASE("a broken scene is not saved") {
 }
 
 TEST_CASE("joints without a common root get one") {
-    const Folder folder;
+    const SavedFolder folder;
     Scene scene = wideScene();
     scene.skeleton.nodes[150].parent = -1;
     REQUIRE(saveGlb(scene, folder.file("roots.glb")));
@@ -260,7 +260,7 @@ TEST_CASE("joints without a common root get one") {
 }
 
 TEST_CASE("what glTF forbids is put right on the way out") {
-    const Folder folder;
+    const SavedFolder folder;
     Scene scene = wideScene();
     scene.skeleton.nodes[1].rotation = {2, 0, 0, 0};
     scene.skeleton.joints[0].inverseBind[0][3] = 5;
@@ -279,7 +279,7 @@ TEST_CASE("what glTF forbids is put right on the way out") {
 }
 
 TEST_CASE("a name that does not end in .glb is refused") {
-    const Folder folder;
+    const SavedFolder folder;
     for (const char* name : {"x.gltf", "x", "x.glb.txt", "glb"}) {
         INFO(name);
         const auto saved = saveGlb(wideScene(), folder.file(name));

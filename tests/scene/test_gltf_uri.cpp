@@ -12,9 +12,9 @@ namespace fs = std::filesystem;
 namespace {
 
 // A folder with "tube.bin", "sub/a b.bin", and beside it "outside.bin".
-struct Folder {
+struct UriFolder {
     fs::path outer = fixture::temporaryFolder() / "uris", inner = outer / "model";
-    Folder() {
+    UriFolder() {
         fs::create_directories(inner / "sub");
         const auto bytes = fixture::small().bin;
         for (const fs::path& file : {inner / "tube.bin", inner / "sub" / "a b.bin", outer / "outside.bin"})
@@ -26,7 +26,7 @@ struct Folder {
     }
 };
 
-std::string loadError(const Folder& folder, const std::string& uri) {
+std::string loadError(const UriFolder& folder, const std::string& uri) {
     fixture::Gltf g = fixture::small();
     g.tree["buffers"] = {{{"byteLength", g.bin.size()}, {"uri", uri}}};
     std::ofstream(folder.inner / "m.gltf") << g.asText();
@@ -37,7 +37,7 @@ std::string loadError(const Folder& folder, const std::string& uri) {
 }  // namespace
 
 TEST_CASE("files at and below the glTF file's folder are read") {
-    const Folder folder;
+    const UriFolder folder;
     for (const char* uri :
          {"tube.bin", "./tube.bin", "sub/a b.bin", "sub/a%20b.bin", "sub\\a b.bin", "sub/./a b.bin"}) {
         INFO(uri);
@@ -47,7 +47,7 @@ TEST_CASE("files at and below the glTF file's folder are read") {
 }
 
 TEST_CASE("what leaves the folder is refused with the reason") {
-    const Folder folder;
+    const UriFolder folder;
     for (const char* uri : {"../outside.bin", "%2e%2e/outside.bin", ".%2E/outside.bin", "..\\outside.bin",
                             "sub/../tube.bin", "sub%2f..%2f..%2foutside.bin", "..%5coutside.bin"}) {
         INFO(uri);
@@ -68,7 +68,7 @@ TEST_CASE("what leaves the folder is refused with the reason") {
 }
 
 TEST_CASE("links are followed within the folder only") {
-    const Folder folder;
+    const UriFolder folder;
     fs::remove(folder.inner / "in.bin");
     fs::remove(folder.inner / "out.bin");
     fs::create_symlink("tube.bin", folder.inner / "in.bin");
@@ -79,7 +79,7 @@ TEST_CASE("links are followed within the folder only") {
 
 TEST_CASE("data URIs in upper case are read") {
     const std::string data = fixture::base64(fixture::small().bin);
-    const Folder folder;
+    const UriFolder folder;
     CHECK(loadError(folder, "DATA:application/octet-stream;BASE64," + data).empty());
     CHECK(loadError(folder, "data:;base64," + data).empty());
 }
@@ -90,7 +90,7 @@ TEST_CASE("a Git LFS pointer is named as one") {
     const auto scene = loadGltf(path);
     REQUIRE_FALSE(scene);
     CHECK(scene.error().text == path + ": is a Git LFS pointer, not the file itself; fetch it with git lfs pull");
-    const Folder folder;
+    const UriFolder folder;
     std::ofstream(folder.inner / "lfs.bin") << pointer;
     CHECK_THAT(loadError(folder, "lfs.bin"), ContainsSubstring("lfs.bin: is a Git LFS pointer"));
 }

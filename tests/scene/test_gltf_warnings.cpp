@@ -17,7 +17,7 @@ using fixture::json;
 
 namespace {
 
-struct Case {
+struct Warned {
     const char* warning;
     std::function<void(Gltf&)> change;
 };
@@ -27,7 +27,7 @@ void extend(Gltf& g, json& object, const char* name, const json& value = json::o
     g.tree["extensionsUsed"].push_back(name);
 }
 
-const std::vector<Case> kCases = {
+const std::vector<Warned> kCases = {
     {"1 node has a rotation that is not of unit length",
      [](Gltf& g) {
          g.tree["nodes"][1]["rotation"] = {0, 0, 0, 2};
@@ -130,7 +130,7 @@ const std::vector<Case> kCases = {
 }  // namespace
 
 TEST_CASE("each deviation is one warning, and the file loads") {
-    for (const Case& one : kCases) {
+    for (const Warned& one : kCases) {
         INFO(one.warning);
         Gltf g = fixture::small();
         one.change(g);

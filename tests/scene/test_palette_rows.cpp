@@ -15,7 +15,7 @@ namespace {
 
 constexpr double kQuarter = 1.5707963267948966;
 
-struct Random {
+struct RandomRows {
     std::mt19937 engine{5};
     float operator()() { return static_cast<float>(engine()) / 4294967296.0f * 2 - 1; }
 };
@@ -25,7 +25,7 @@ PaletteEntry turnedAboutZ(double angle) {
     return {{glm::vec4{c, -s, 0, 0}, glm::vec4{s, c, 0, 0}, glm::vec4{0, 0, 1, 0}}};
 }
 
-PaletteEntry randomAffine(Random& random, bool singular) {
+PaletteEntry randomAffine(RandomRows& random, bool singular) {
     PaletteEntry entry;
     for (glm::vec4& row : entry.rows) row = {random(), random(), random(), random()};
     if (singular) entry.rows[2] = entry.rows[0] * 2.0f;
@@ -59,7 +59,7 @@ constexpr PaletteForm kDual{Method::dqs}, kStretched{Method::dqs, RowFormat::f32
 }  // namespace
 
 TEST_CASE("a joint alone moves a vertex by dual quaternions as by its matrix, whatever the matrix") {
-    Random random;
+    RandomRows random;
     for (int i = 0; i < 300; ++i) {
         PaletteEntry entry = randomAffine(random, i % 10 == 0);
         if (i == 1) entry.rows = {};                                                    // scaled to nothing

@@ -21,7 +21,7 @@ Palette randomPalette(size_t joints, uint32_t seed) {
     return palette;
 }
 
-Mesh randomMesh(size_t vertices, size_t joints, uint32_t seed) {
+Mesh scatteredMesh(size_t vertices, size_t joints, uint32_t seed) {
     std::mt19937 random(seed);
     const auto next = [&] { return static_cast<float>(random()) / 4294967296.0f * 2 - 1; };
     Mesh mesh;
@@ -65,7 +65,7 @@ TEST_CASE("skinOnCpu agrees with the reference for any number of threads") {
     std::vector<Mesh> meshes;
     std::vector<Palette> palettes;
     for (size_t c = 0; c < copies; ++c) {
-        meshes.push_back(randomMesh(vertices, 20, 7));
+        meshes.push_back(scatteredMesh(vertices, 20, 7));
         palettes.push_back(randomPalette(20, 100 + static_cast<uint32_t>(c)));
     }
     std::vector<SkinnedVertex> first;
@@ -87,7 +87,7 @@ TEST_CASE("skinOnCpu agrees with the reference for any number of threads") {
 }
 
 TEST_CASE("skinOnCpu accepts fewer vertices than threads, and nothing") {
-    const std::vector<Mesh> meshes = {randomMesh(3, 2, 1)};
+    const std::vector<Mesh> meshes = {scatteredMesh(3, 2, 1)};
     const std::vector<Palette> palettes = {randomPalette(2, 1)};
     std::vector<SkinnedVertex> out(3);
     skinOnCpu({meshes, palettes, out}, 16);

@@ -31,8 +31,6 @@ Proportions makeProportions(uint32_t seed) {
 
 constexpr std::array kFingers = {"Thumb", "Index", "Middle", "Ring", "Pinky"};
 
-std::string sided(float side, const std::string& name) { return (side > 0 ? "Left" : "Right") + name; }
-
 struct Arm {
     glm::vec3 shoulder{0}, elbow{0}, wrist{0}, along{0}, palmDown{0};
 };
@@ -119,7 +117,7 @@ Rig makeRig(const Proportions& p, float lift) {
 
 // --- shape -----------------------------------------------------------------------------------------------------
 
-struct BodyMaker {
+struct BipedMaker {
     const Rig& rig;
     const Proportions& p;
     float lift = 0;
@@ -138,7 +136,7 @@ struct BodyMaker {
     glm::vec3 at(float x, float y, float z) const { return {x, y + lift, z}; }
 };
 
-void addTorso(BodyMaker& m) {
+void addTorso(BipedMaker& m) {
     const float b = m.p.bulk;
     Chain& torso = m.add({{m.at(0, 0.915f, -0.004f), 0.080f * b},
                           {m.at(0, 0.965f, -0.006f), 0.104f * b},
@@ -174,7 +172,7 @@ void addTorso(BodyMaker& m) {
     m.skin(belt, "Hips", 0);
 }
 
-void addHead(BodyMaker& m) {
+void addHead(BipedMaker& m) {
     const float h = m.p.head;
     const auto face = [&](float x, float y, float z) { return m.at(x * h, 1.570f + (y - 1.570f) * h, z * h); };
     Chain& neck = m.add({{m.at(0, 1.430f, -0.022f), 0.066f},
@@ -225,7 +223,7 @@ void addHead(BodyMaker& m) {
     }
 }
 
-void addArm(BodyMaker& m, float side) {
+void addArm(BipedMaker& m, float side) {
     const float b = m.p.bulk;
     const Arm arm = makeArm(m.p, side, m.lift);
     const auto between = [&](glm::vec3 from, glm::vec3 to, float t, float radius) {
@@ -264,7 +262,7 @@ void addArm(BodyMaker& m, float side) {
     }
 }
 
-void addLeg(BodyMaker& m, float side) {
+void addLeg(BipedMaker& m, float side) {
     const float b = m.p.bulk;
     const Leg leg = makeLeg(m.p, side);
     const auto between = [&](glm::vec3 from, glm::vec3 to, float t, float z, float radius) {
@@ -328,7 +326,7 @@ void walkArm(ClipMaker& walk, float side, double phase) {
                         [=](double t) { return rotation(curl, 16 + 3 * double(sinTurns(t + phase))); });
 }
 
-Clip makeWalk(const Rig& rig, double phase) {
+Clip makeBipedWalk(const Rig& rig, double phase) {
     ClipMaker walk(rig, "walk", 1.1f);
     walk.move("Hips", [=](double t) {
         return glm::vec3(0.012f * cosTurns(t + phase), -0.022f - 0.016f * cosTurns(2 * (t + phase) + 0.5), 0);
@@ -378,7 +376,7 @@ Scene makeBiped(uint32_t vertices, uint32_t seed) {
     const Proportions p = makeProportions(seed);
     const float lift = (p.legs - 1) * 0.83f;  // longer legs carry the rest higher
     const Rig rig = makeRig(p, lift);
-    BodyMaker maker{rig, p, lift};
+    BipedMaker maker{rig, p, lift};
     maker.body.jointPositions = rig.positions;
     maker.body.smallestWeight = 0.01f;
     addTorso(maker);
@@ -390,7 +388,7 @@ Scene makeBiped(uint32_t vertices, uint32_t seed) {
     Scene scene;
     scene.mesh = meshBody(maker.body, vertices);
     scene.skeleton = rig.skeleton;
-    scene.clips = {makeWalk(rig, p.phase), makeIdle(rig, p.phase)};
+    scene.clips = {makeBipedWalk(rig, p.phase), makeIdle(rig, p.phase)};
     return scene;
 }
 

@@ -61,8 +61,6 @@ std::array<Tentacle, kArms> makeTentacles(Random& random) {
     return tentacles;
 }
 
-std::string sided(float side, const std::string& name) { return (side > 0 ? "Left" : "Right") + name; }
-
 glm::vec3 finAt(float side, float s) { return {side * (0.17f + 0.17f * s), 0.80f + 0.10f * s, -0.20f - 0.05f * s}; }
 
 Rig makeRig(const std::array<Tentacle, kArms>& tentacles) {
@@ -91,7 +89,7 @@ Rig makeRig(const std::array<Tentacle, kArms>& tentacles) {
 
 // --- shape -----------------------------------------------------------------------------------------------------
 
-struct BodyMaker {
+struct CreatureMaker {
     const Rig& rig;
     Body body{};
 
@@ -107,7 +105,7 @@ struct BodyMaker {
     }
 };
 
-void addBody(BodyMaker& m, float mantle) {
+void addBody(CreatureMaker& m, float mantle) {
     Chain& head = m.add({{{0, 0.27f, 0.000f}, 0.120f}, {{0, 0.36f, 0.000f}, 0.145f}, {{0, 0.50f, 0.000f}, 0.128f}},
                         0.060f, 0.090f);
     head.wide = 1.06f;
@@ -146,7 +144,7 @@ void addBody(BodyMaker& m, float mantle) {
     m.skin(siphon, "Siphon2", 0.045f);
 }
 
-void addTentacle(BodyMaker& m, const Tentacle& t, int arm) {
+void addTentacle(CreatureMaker& m, const Tentacle& t, int arm) {
     std::vector<ShapeNode> nodes;
     for (int i = 0; i <= kArmSteps; i += 7) nodes.push_back({t.at(i), Tentacle::radius(float(i) / kArmSteps)});
     Chain& chain = m.add(std::move(nodes), 0.050f, 0.070f);
@@ -226,7 +224,7 @@ Scene makeCreature(uint32_t vertices, uint32_t seed) {
     const float mantle = random.between(0.94f, 1.08f);
     const double phase = double(random.between(0, 1));
     const Rig rig = makeRig(tentacles);
-    BodyMaker maker{rig};
+    CreatureMaker maker{rig};
     maker.body.jointPositions = rig.positions;
     addBody(maker, mantle);
     for (int i = 0; i < kArms; ++i) addTentacle(maker, tentacles[size_t(i)], i);

@@ -42,6 +42,9 @@ private:
     void add(uint32_t node, ChannelPath path, Interpolation interpolation, std::vector<glm::vec4> cycle);
 };
 
+// "LeftHand" on the side of +x, else "RightHand".
+inline std::string sided(float side, const std::string& name) { return (side > 0 ? "Left" : "Right") + name; }
+
 inline constexpr glm::vec3 kLeft{1, 0, 0}, kUp{0, 1, 0}, kForward{0, 0, 1};
 
 }  // namespace skinbench::builtin

@@ -9,8 +9,6 @@ namespace skinbench::builtin {
 
 namespace {
 
-std::string sided(float side, const std::string& name) { return (side > 0 ? "Left" : "Right") + name; }
-
 struct Machine {
     Rig rig{};
     std::vector<Solid> solids{};
@@ -152,7 +150,7 @@ void walkSide(ClipMaker& walk, float side, double phase) {
     walk.rotate(sided(side, "Antenna"), [=](double t) { return rotation(kLeft, 5 * wave(2 * t, 0)); });
 }
 
-Clip makeWalk(const Rig& rig, double phase) {
+Clip makeRobotWalk(const Rig& rig, double phase) {
     ClipMaker walk(rig, "walk", 1.3f);
     walk.move("Pelvis", [=](double t) { return glm::vec3(0, -0.018f - 0.014f * cosTurns(2 * (t + phase)), 0); });
     walk.rotate("Pelvis", [=](double t) { return rotation(kUp, 5 * double(sinTurns(t + phase))); });
@@ -214,7 +212,7 @@ Scene makeRobot(uint32_t vertices, uint32_t seed) {
     const float spacing = fitSpacing(m.solids, vertices);
     for (const Solid& s : m.solids) addSolid(s, spacing, scene.mesh);
     scene.skeleton = m.rig.skeleton;
-    scene.clips = {makeWalk(m.rig, phase), makeWave(m.rig, phase)};
+    scene.clips = {makeRobotWalk(m.rig, phase), makeWave(m.rig, phase)};
     return scene;
 }
 

@@ -11,7 +11,7 @@ namespace {
 using MakeCharacter = Scene (*)(uint32_t vertices, uint32_t seed);
 
 constexpr std::array<MakeCharacter, 4> kMakers = {builtin::makeBiped, builtin::makeRobot, builtin::makeCreature,
-                                                   builtin::makeBlended};
+                                                  builtin::makeBlended};
 
 // One planar projection for the whole character, seen from the front, or from above where it is flatter than wide.
 // Without a seam no vertex has to be split.
