@@ -43,7 +43,7 @@ constexpr auto kExtensions = std::to_array<GltfExtension>({
     {"GRIFFEL_bim_data", harmless, "metadata"},
     {"KHR_audio_*", harmless, "sound is not played"},
     {"KHR_lights_*", harmless, "lights are not read"},
-    {"KHR_materials_*", harmless, "materials are not read, variants neither"},
+    {"KHR_materials_*", harmless, "neither materials nor their variants are read"},
     {"KHR_node_hoverability", harmless, "nothing is pointed at"},
     {"KHR_node_selectability", harmless, "nothing is selected"},
     {"KHR_techniques_webgl", harmless, "materials are not read"},
@@ -74,14 +74,14 @@ constexpr auto kExtensions = std::to_array<GltfExtension>({
     {"VRMC_node_constraint", ignored, "its nodes are not constrained"},
     {"VRMC_springBone", ignored, "its joints do not swing"},
     {"VRMC_vrm", ignored, "expressions and gaze do not move anything"},
-    {"VRMC_vrm_animation", ignored, "its clip moves the nodes that it names only"},
+    {"VRMC_vrm_animation", ignored, "its clip moves only the nodes that it names"},
 
     {"DRACO_animation_compression", refused, "keys that cannot be decoded"},
     {"EXT_implicit_*", refused, "shapes without triangles"},
     {"EXT_primitive_voxels", refused, "shapes without triangles"},
     {"KHR_accessor_float16", refused, "numbers of a type that glTF 2.0 lacks"},
     {"KHR_accessor_float64", refused, "numbers of a type that glTF 2.0 lacks"},
-    {"KHR_draco_mesh_compression", refused, "unless uncompressed data lie beside it"},
+    {"KHR_draco_mesh_compression", refused, "unless the file also holds uncompressed data"},
     {"KHR_implicit_shapes", refused, "shapes without triangles"},
 });
 
