@@ -46,7 +46,7 @@ std::string optionText(const CLI::Option& option) {
         names += option.get_delimiter() ? " WORD,..." : " " + option.get_type_name();
     std::string what = option.get_description();
     if (!option.get_default_str().empty()) what += " (default: " + option.get_default_str() + ")";
-    if (option.get_required()) what += " (needed)";
+    if (option.get_required()) what += " (required)";
     return paragraph(names, kIndent) + paragraph(what, 2 * kIndent);
 }
 

@@ -17,8 +17,8 @@ struct Preset {
 
 const std::vector<Preset>& presets() {
     static const std::vector<Preset> rows = {
-        {"quick", "does it work; software drivers take it", 2, 6, 1, 2, {"full"}, 1, 5},
-        {"gpu", "a GPU takes it", 100, 30, 5, 3, {"full"}, 1, 120},
+        {"quick", "does it work? default without a GPU", 2, 6, 1, 2, {"full"}, 1, 5},
+        {"gpu", "default on a GPU", 100, 30, 5, 3, {"full"}, 1, 120},
         {"geometry", "what skinning costs", 200, 30, 5, 3, {"no-fragments", "discard"}, 1, 120},
     };
     return rows;

@@ -56,7 +56,7 @@ void addKeepBackFaces(CLI::App& command, AxisWords& words) {
 constexpr const char* kDeviceHelp = "number, part of the name, UUID or PCI address, as probe shows them";
 
 void addCases(CLI::App& command, std::vector<std::string>& ids) {
-    command.add_option("--case", ids, "exactly this case: an id that a table, a result file or a report shows")
+    command.add_option("--case", ids, "exactly this case, by its id in a table, a result file or a report")
         ->allow_extra_args(false);
 }
 
@@ -72,7 +72,9 @@ void addSelectors(CLI::App& command, Selectors& s) {
     addAxes(command, s.words);
     addCases(command, s.caseIds);
     command
-        .add_option("--shape", s.shape, "given: as joints, loads, records and palette say; auto: the fastest of them")
+        .add_option(
+            "--shape", s.shape,
+            "given: as --joints, --loads, --records and --palette-buffer say; auto: the fastest of these shapes")
         ->check(oneOf({"given", "auto"}))
         ->capture_default_str();
     command.add_option("--geometry", s.geometry, geometryWords())->capture_default_str();
@@ -80,7 +82,7 @@ void addSelectors(CLI::App& command, Selectors& s) {
     addKeepBackFaces(command, s.words);
     command.add_option("--clip", s.clip, "name of the animation, or none (default: the first)");
     command.add_option("--pose", s.pose, "frozen or animated")->capture_default_str();
-    command.add_option("--camera", s.camera, "crowd, half, inside or close: how much of the copies is in the view")
+    command.add_option("--camera", s.camera, "crowd, half, inside or close: how many of the copies are in view")
         ->capture_default_str();
     addCharacterPixels(command, s);
     command.add_option("--time", s.seconds, "seconds into the animation at the first frame")
@@ -88,7 +90,7 @@ void addSelectors(CLI::App& command, Selectors& s) {
         ->capture_default_str();
     command.add_option("--copies", s.copies, "characters, each with memory of its own (default: by device)")
         ->check(numberFrom(1u, 1'000'000u));
-    command.add_option("--frames", s.frames, "timed frames of a case (default: by device, one a round at the least)")
+    command.add_option("--frames", s.frames, "timed frames of a case (default: by device; at least one per round)")
         ->check(numberFrom(1u, 100'000u));
     command
         .add_option("--warmup", s.warmup,
@@ -98,24 +100,26 @@ void addSelectors(CLI::App& command, Selectors& s) {
     command.add_option("--rounds", s.rounds, "rounds that share the frames (default: by device)")
         ->check(numberFrom(1u, 1'000u));
     command
-        .add_option("--precision", s.precision,
-                    "percent: rounds go on until the 95 % interval of each median has this half-width, 0: no more than "
-                    "--rounds (default: 1, or 0 where --frames or --rounds are given)")
+        .add_option(
+            "--precision", s.precision,
+            "percent: rounds go on until half the width of each median's 95 % interval is at most this; 0: only "
+            "--rounds (default: 1, or 0 if --frames or --rounds are given)")
         ->check(atLeastZero());
     command
         .add_option("--time-limit", s.timeLimit,
-                    "seconds after which no more rounds begin for --precision, 0: none (default: by device)")
+                    "seconds after which --precision begins no more rounds; 0: no limit (default: by device)")
         ->check(atLeastZero());
     command
         .add_option("--placement", s.placement,
-                    "kept: cases keep their memory between rounds; fresh: each round prepares them anew, so that the "
-                    "intervals cover where memory lies (default: kept, with --self-test fresh)")
+                    "kept: cases keep their memory between rounds; fresh: each round prepares them again, so that the "
+                    "intervals cover where memory lies (default: kept; fresh with --self-test)")
         ->check(oneOf({"kept", "fresh"}));
     command.add_option("--size", s.size, "WIDTHxHEIGHT of the image")->capture_default_str();
     command.add_option("--preset", s.preset, presetWords() + ": the table below (default: by device)");
-    command.add_option("--seed", s.seed, "of the order of cases")->capture_default_str();
+    command.add_option("--seed", s.seed, "seed of the order of cases")->capture_default_str();
     command.add_option("--device", s.device, std::string(kDeviceHelp) + ", or all: one after the other");
-    command.add_flag("--validation", s.validation, "validation layers and debug output; a message fails its case");
+    command.add_flag("--validation", s.validation,
+                     "turn on validation layers and debug output; a message fails its case");
     command.add_option("--tolerance", s.tolerance, "largest relative position error")
         ->check(atLeastZero(true))
         ->capture_default_str();
@@ -123,7 +127,8 @@ void addSelectors(CLI::App& command, Selectors& s) {
 
 void addProbe(CLI::App& program, int& status) {
     auto options = std::make_shared<ProbeOptions>();
-    CLI::App* command = program.add_subcommand("probe", "what this machine's devices can run, and why not");
+    CLI::App* command =
+        program.add_subcommand("probe", "what this machine's devices can run, and why they cannot run the rest");
     command->add_option("--device", options->device, kDeviceHelp);
     command
         ->add_option_function<std::string>(
@@ -132,7 +137,7 @@ void addProbe(CLI::App& program, int& status) {
                 options->measure = true;
                 if (!scene.empty()) options->scene = scene;
             },
-            "verify and time what auto chooses from, for some seconds, on this scene (default: builtin:biped)")
+            "verify and time what auto chooses from, which takes some seconds, on this scene (default: builtin:biped)")
         ->expected(0, 1);
     command->add_flag("--json", options->json, "print JSON");
     command->callback([options, &status] { status = runProbe(*options); });
@@ -147,12 +152,12 @@ constexpr const char* kTableColumns =
     "                    same on the same API, or what --baseline names\n"
     "  of its own limit  time over that of the same draws with nothing fetched and nothing skinned. It compares a "
     "case\n"
-    "                    with itself: the slowest one may have the lowest\n"
+    "                    with itself, so the slowest case may have the lowest ratio\n"
     "  KiB / copy        device memory of one character\n"
-    "  error             largest distance to the double-precision reference, of the bounding box's diagonal\n"
-    "Below it: the fastest case and the next one, then the fastest case of each stage, extension and API against that "
+    "  error             largest distance from the double-precision reference, over the bounding box's diagonal\n"
+    "Below it: the fastest case and the next one, then the fastest case of each stage, extension and API against those "
     "of\n"
-    "the others. The variant none, route cpu and half-rate updates are no rivals.\n";
+    "the others. The variant none, route cpu and half-rate updates do not compete.\n";
 
 void addRun(CLI::App& program, int& status, bool timed, const std::string& commandLine) {
     auto options = std::make_shared<RunOptions>();
@@ -171,10 +176,10 @@ void addRun(CLI::App& program, int& status, bool timed, const std::string& comma
             ->add_option("--baseline", options->baseline,
                          "what times are divided by: a variant, on the same API, or the id of a case")
             ->capture_default_str();
-    command->footer("Presets, and what a device takes by itself:\n" + presetTable() + "\n" + kTableColumns);
+    command->footer("Presets, and the default for each kind of device:\n" + presetTable() + "\n" + kTableColumns);
     if (timed)
         command->add_flag("--self-test", options->selectors.selfTest,
-                          "time every case twice under two names and tell how far equal ones differ");
+                          "time every case twice under two names and report how far equal ones differ");
     command->callback([options, &status] { status = runCases(*options); });
 }
 
@@ -188,13 +193,15 @@ void addRender(CLI::App& program, int& status) {
     addPictureAxes(*command, s.words);
     addKeepBackFaces(*command, s.words);
     command
-        ->add_option("--case", s.caseIds,
-                     "exactly this case: an id of a table, a result file or a report; again for the next picture")
+        ->add_option(
+            "--case", s.caseIds,
+            "exactly this case, by its id in a table, a result file or a report; again for each further picture")
         ->allow_extra_args(false);
-    command->add_flag("--difference", options->difference, "beside two pictures what they differ by, 16 times");
+    command->add_flag("--difference", options->difference,
+                      "with two pictures: also their difference, amplified 16 times");
     command
         ->add_option("--animate", options->animate,
-                     "that many frames over the clip, into a folder of PNG files or a .webp")
+                     "draw this many frames of the clip, into a folder of PNG files or a .webp file")
         ->check(numberFrom(1u, 10'000u));
     command->add_option("--view", options->view, wordsOf(*findAxis("view")) + " (default: shaded)");
     command->add_option("--time", s.seconds, "seconds into the animation")
@@ -204,12 +211,12 @@ void addRender(CLI::App& program, int& status) {
     command->add_option("--size", s.size, "WIDTHxHEIGHT")->capture_default_str();
     command->add_option("--camera", s.camera, "crowd, half, inside or close")->capture_default_str();
     addCharacterPixels(*command, s);
-    command->add_option("--copies", s.copies, "how many (default: 1)")->check(numberFrom(1u, 1'000'000u));
+    command->add_option("--copies", s.copies, "number of characters (default: 1)")->check(numberFrom(1u, 1'000'000u));
     command->add_option("--yaw", options->yaw, "degrees that a single character is turned by")
         ->check(numberFrom(-360.0f, 360.0f))
         ->capture_default_str();
     command->add_option("--device", s.device, kDeviceHelp);
-    command->add_flag("--validation", s.validation, "validation layers and debug output");
+    command->add_flag("--validation", s.validation, "turn on validation layers and debug output");
     command->add_option("-o,--output", options->out, "the PNG file; with --animate a folder, or a .webp file")
         ->required();
     command->callback([options, &status] { status = runRender(*options); });
@@ -220,7 +227,9 @@ void addInspect(CLI::App& program, int& status) {
     CLI::App* command = program.add_subcommand("inspect", "a scene's meshlets, codec errors and buffer sizes");
     Selectors& s = options->selectors;
     command->add_option("scene", s.scene, "a .gltf or .glb file, or builtin:NAME[:VERTICES]")->required();
-    command->add_option("--meshlets", s.words["meshlet_limits"], "VERTICES/TRIANGLES at the most (default: 64/124)")
+    command
+        ->add_option("--meshlets", s.words["meshlet_limits"],
+                     "limits of a meshlet, as VERTICES/TRIANGLES (default: 64/124)")
         ->expected(1);
     command->add_option("--influences", s.words["influences"], "4 or 8 (default: 4)")->expected(1);
     command->add_option("--ci-key", s.words["ci_key"], wordsOf(*findAxis("ci_key")) + " (default: ordered, fit)")
@@ -228,7 +237,7 @@ void addInspect(CLI::App& program, int& status) {
         ->allow_extra_args(false);
     command->add_option("--ci-min", s.words["ci_min"], findAxis("ci_min")->option.help)->expected(1);
     command->add_flag("--all", options->all,
-                      "unwelded and in the file's order too (default: as it is drawn, welded and in cache order)");
+                      "also unwelded and in the file's order (default: only as drawn, welded and in cache order)");
     command->add_flag("--json", options->json, "print JSON");
     command->callback([options, &status] { status = runInspect(*options); });
 }
@@ -255,11 +264,11 @@ void addPartition(CLI::App& program, int& status) {
     CLI::App* command = program.add_subcommand("partition", "draw lists for hardware with few palette slots");
     command->add_option("scene", options->scene, "a .gltf or .glb file, or builtin:NAME[:VERTICES]")->required();
     command->add_option("--hardware", options->hardware, tableNames(paletteHardware()))->capture_default_str();
-    command->add_option("--slots", options->slots, "joints that a draw of generic hardware reaches")
+    command->add_option("--slots", options->slots, "joints that one draw can use, with --hardware generic")
         ->default_str(std::to_string(findPaletteHardware("generic")->slots))
         ->check(numberFrom(1u, 65'535u));
     command->add_option("--solver", options->solver, tableNames(partitionSolvers()))->capture_default_str();
-    command->add_option("--order", options->order, "of the groups: " + tableNames(groupOrders()))
+    command->add_option("--order", options->order, "order of the groups: " + tableNames(groupOrders()))
         ->capture_default_str();
     command->add_option("--influences", options->influences, "4 or 8")->capture_default_str();
     command->add_flag("--json", options->json, "print JSON with the command list");
@@ -272,7 +281,7 @@ void addReport(CLI::App& program, int& status) {
         std::string out = "report.html";
     };
     auto options = std::make_shared<Options>();
-    CLI::App* command = program.add_subcommand("report", "one HTML page of one or more result files");
+    CLI::App* command = program.add_subcommand("report", "one HTML page from one or more result files");
     command->add_option("files", options->files, "results.json files, or folders with one")->required();
     command->add_option("-o,--output", options->out, "the page")->capture_default_str();
     command->callback([options, &status] { status = runReport(options->files, options->out); });
@@ -282,17 +291,19 @@ void addCompare(CLI::App& program, int& status) {
     auto options = std::make_shared<CompareOptions>();
     CLI::App* command = program.add_subcommand("compare", "which cases differ between two result files, beyond noise");
     command->add_option("A", options->a, "the results.json to compare with, or a folder with one")->required();
-    command->add_option("B", options->b, "the one that is compared; with --pair A itself where it is left out");
+    command->add_option("B", options->b,
+                        "the one that is compared; with --pair it may be left out, to compare cases of A");
     command
         ->add_option("--pair", options->pair,
-                     "AXIS or AXIS=VALUE: compares cases that are equal but for these axes (codec, variant, route, …), "
+                     "AXIS or AXIS=VALUE: compares cases that differ only in these axes (codec, variant, route, …), "
                      "from VALUE (default: the usual one) to every other")
         ->delimiter(',')
         ->allow_extra_args(false);
     command
-        ->add_option("--fail-above", options->failAbove,
-                     "exit 1 when the whole interval of a case lies this many percent above A, beyond the noise floor, "
-                     "or a case of A is missing, failed or not timed in B")
+        ->add_option(
+            "--fail-above", options->failAbove,
+            "exit with 1 if the whole interval of a case is more than this many percent above A and beyond the "
+            "noise floor, or if a case of A is missing, failed or not timed in B")
         ->check(atLeastZero());
     command->add_flag("--allow-missing", options->allowMissing, "with --fail-above: B may lack cases of A");
     command->add_flag("--json", options->json, "print JSON");
@@ -326,7 +337,7 @@ void addReproduce(CLI::App& program, int& status) {
 
 void addCompletion(CLI::App& program, int& status) {
     auto shell = std::make_shared<std::string>();
-    CLI::App* command = program.add_subcommand("completion", "what a shell completes: bash, zsh or fish");
+    CLI::App* command = program.add_subcommand("completion", "print the completion script for bash, zsh or fish");
     command->add_option("shell", *shell, "bash, zsh or fish")->required();
     command->callback([shell, &program, &status] {
         const auto script = completionScript(program, *shell);
@@ -344,8 +355,8 @@ std::string commandLine(int argc, char** argv) {
 
 constexpr const char* kFooter =
     "EXIT STATUS\n"
-    "    0 done, 1 something that was asked for failed or was interrupted before a case was done, 2 bad arguments or\n"
-    "    input. What is wrong is one line on standard error.\n"
+    "    0 done, 1 something you asked for failed or was interrupted before any case was done, 2 bad arguments or\n"
+    "    input. One line on standard error says what is wrong.\n"
     "\n"
     "FILES\n"
     "    results/            results.json, results.csv and report.html of the last bench\n"
@@ -353,17 +364,17 @@ constexpr const char* kFooter =
     "\n"
     "ENVIRONMENT\n"
     "    CUDA_VISIBLE_DEVICES, GPU_DEVICE_ORDINAL, SLURM_STEP_GPUS, SLURM_JOB_GPUS\n"
-    "        the devices that may be used; probe says what follows from them\n"
+    "        limit the devices that may be used; probe shows which are left\n"
     "\n"
     "EXAMPLES\n"
     "    skinbench bench hero.glb --copies 100\n"
-    "        verifies and times every variant on every route with a character of your own\n"
+    "        verifies and times every variant on every route with your own character\n"
     "    skinbench bench --routes vk,gl-nv --variants vertex,mesh\n"
-    "        some of them\n"
+    "        only some of them\n"
     "    skinbench render hero.glb --view weights -o weights.png\n"
     "        a picture\n"
     "    skinbench completion bash > ~/.local/share/bash-completion/completions/skinbench\n"
-    "        what the shell completes\n"
+    "        installs completion for bash\n"
     "\n"
     "SEE ALSO\n"
     "    skinbench COMMAND --help, skinview --help";

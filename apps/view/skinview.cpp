@@ -95,8 +95,8 @@ constexpr const char* kFooter = R"(KEYS
     F1 in the window lists them. Tab: A or B; D: their difference; R, V, C: next route, variant, codec; Space: pause.
 
 EXIT STATUS
-    0 done, 1 no display, no driver, or with --frames a case that cannot be drawn, 2 bad arguments or input. What is
-    wrong is one line on standard error, or in the window once it is open.
+    0 done, 1 no display, no driver, or with --frames a case that cannot be drawn, 2 bad arguments or input. One line
+    on standard error, or in the window once it is open, says what is wrong.
 
 FILES
     $XDG_CONFIG_HOME/skinbench/view.json, ~/.config/skinbench/view.json
@@ -128,37 +128,38 @@ void addWords(CLI::App& program, Words& words) {
         [&](Word id) {
             state.cases = {valueOf(parseCaseId(id)), Case()};
         },
-        "case A: an id of a table, a result file or a report");
+        "case A, by its id in a table, a result file or a report");
     program.add_option_function<std::string>(
         "--case2", [&](Word id) { state.cases[1] = valueOf(parseCaseId(id)); },
-        "case B (default: as A, on the other API)");
+        "case B (default: like A, on the other API)");
     program.add_option_function<std::string>(
         "--size", [&](Word size) { std::tie(state.width, state.height) = valueOf(parseSize(size)); },
-        "WIDTHxHEIGHT of the window (default: 1280x720); a display of twice the usual density has twice as many "
-        "pixels");
+        "WIDTHxHEIGHT of the window (default: 1280x720); a display with twice the usual density has twice as "
+        "many pixels");
     program
         .add_option_function<std::string>(
             "--mode", [&](Word mode) { state.mode = modeOf(mode); }, "panes, wipe, one, difference")
         ->check(oneOf(modeNames()));
-    program.add_option("--copies", state.copies, "how many (default: 1)")->check(numberFrom(1u, 1'000'000u));
+    program.add_option("--copies", state.copies, "number of characters (default: 1)")
+        ->check(numberFrom(1u, 1'000'000u));
     program.add_option("--clip", state.clip, "name of the animation, or none (default: the first)");
     program.add_option("--time", state.seconds, "seconds into the animation")->check(numberFrom(0.0, 1e6));
     program.add_option(
         "--settings", words.settings,
-        "JSON file that is read, and written at the end, instead of skinbench/view.json in the folder of "
-        "your settings");
+        "JSON file of settings, read at the start and written at the end, instead of skinbench/view.json in your "
+        "settings folder");
     program
         .add_option("--frames", words.frames,
-                    "draw that many frames, a sixtieth of a second apart, print how long they took, and end")
+                    "draw this many frames, a sixtieth of a second apart, print how long they took, and end")
         ->check(numberFrom(1u, 1'000'000u));
     program.add_option("--screenshot", words.screenshot,
-                       "PNG file of the window's last frame; without --frames of its first");
+                       "PNG file for the window's last frame, or for its first one without --frames");
     program.add_flag("--no-window", words.noWindow,
-                     "with --frames: the pictures alone, each of --size, where there is no display");
+                     "with --frames: draw only the pictures, each of --size, without a display");
     program.add_option("--device", words.pictures.device,
                        "number, part of the name, UUID or PCI address, as probe shows them");
     program.add_flag("--validation", words.pictures.validation,
-                     "validation layers and debug output; a message is a failure");
+                     "turn on validation layers and debug output; a message is a failure");
 }
 
 // The memory of a picture is used for the next one: what the system gets back it clears again, page after page.

@@ -70,7 +70,7 @@ std::string limitsText(const MeshletLimits& limits, char separator) {
 
 Axis limitsAxis() {
     Axis axis = startAxis({.name = "meshlet_limits",
-                           .option = {.name = "meshlets", .help = ", or VERTICES/TRIANGLES at the most"},
+                           .option = {.name = "meshlets", .help = ": limits of a meshlet; or VERTICES/TRIANGLES"},
                            .changes = Changes::meshlets,
                            .applies = onMeshRoute});
     for (const auto& named : kLimits) axis.words.push_back(named.word);
@@ -128,7 +128,7 @@ std::string flagsOf(const Case& c) {
 
 Axis computeAxis() {
     Axis axis = startAxis(
-        {.name = "compute", .option = {.help = "; of the variant compute, joined with +"}, .applies = skinsInCompute});
+        {.name = "compute", .option = {.help = ": of compute passes, joined with +"}, .applies = skinsInCompute});
     axis.words = {"plain"};
     for (const Flag& flag : kComputeFlags) axis.words.push_back(flag.name);
     axis.usual = "plain";
@@ -207,7 +207,7 @@ void addMeshStage(std::vector<Axis>& rows) {
                                    .define = "GROUP_SIZE"},
                                   {1, 1024, "group-", ""}, [](Case& c) -> uint32_t& { return c.groupSize; })));
     rows.push_back(same(wordAxis<bool>({.name = "index_writes",
-                                        .option = {.help = ", on NV routes"},
+                                        .option = {.help = ": how NV mesh stages write local indices"},
                                         .applies = onNvRoute,
                                         .noun = "index write",
                                         .define = "PACKED_WRITES"},
@@ -219,14 +219,14 @@ void addMeshStage(std::vector<Axis>& rows) {
 void addCommonInfluences(std::vector<Axis>& rows) {
     rows.push_back(
         wordAxis<CiGrouping>({.name = "ci_grouping",
-                              .option = {.help = ", of mesh-ci"},
+                              .option = {.help = ": how mesh-ci finds common meshlets"},
                               .changes = Changes::records,
                               .applies = sharesJointLists},
                              {{ciGroupingName(CiGrouping::meshlets), CiGrouping::meshlets},
                               {ciGroupingName(CiGrouping::triangles), CiGrouping::triangles, "ci-triangles"}},
                              [](Case& c) -> CiGrouping& { return c.ci.grouping; }));
     rows.push_back(wordAxis<CiKey>({.name = "ci_key",
-                                    .option = {.help = ", of grouping triangles"},
+                                    .option = {.help = ": which triangles --ci-grouping triangles puts together"},
                                     .changes = Changes::records,
                                     .applies = groupsTriangles},
                                    {{ciKeyName(CiKey::fit), CiKey::fit},
@@ -241,7 +241,7 @@ void addCommonInfluences(std::vector<Axis>& rows) {
                                         {0, UINT32_MAX, "ci-min-", ""},
                                         [](Case& c) -> uint32_t& { return c.ci.minVertices; }));
     rows.push_back(wordAxis<bool>({.name = "ci_vertices",
-                                   .option = {.help = ", of mesh-ci"},
+                                   .option = {.help = ": common meshlets' vertices without joint ids, or with"},
                                    .changes = Changes::encoding,
                                    .applies = sharesJointLists},
                                   {{"slim", false}, {"fat", true, "fat"}}, [](Case& c) -> bool& { return c.ci.fat; }));
@@ -250,7 +250,7 @@ void addCommonInfluences(std::vector<Axis>& rows) {
 // Shapes of the mesh shader.
 void addShapes(std::vector<Axis>& rows) {
     rows.push_back(asShape(wordAxis<JointSource>({.name = "joints",
-                                                  .option = {.help = ": where meshlet vertices name joints"},
+                                                  .option = {.help = ": where a mesh stage finds joint ids"},
                                                   .changes = Changes::encoding,
                                                   .applies = choosesJoints,
                                                   .noun = "joint source",
@@ -260,14 +260,14 @@ void addShapes(std::vector<Axis>& rows) {
                                                   {"staged", JointSource::staged, "joints-staged"}},
                                                  [](Case& c) -> JointSource& { return c.shape.joints; })));
     rows.push_back(asShape(wordAxis<bool>({.name = "loads",
-                                           .option = {.help = ", of mesh stages"},
+                                           .option = {.help = ": skip or clamp loads past a meshlet's end"},
                                            .applies = onMeshRoute,
                                            .noun = "kind of loads",
                                            .define = "CLAMPED_LOADS"},
                                           {{"guarded", false}, {"clamped", true, "clamped-loads"}},
                                           [](Case& c) -> bool& { return c.shape.clampedLoads; })));
     rows.push_back(asShape(wordAxis<bool>({.name = "records",
-                                           .option = {.help = ", of mesh stages"},
+                                           .option = {.help = ": read vertices by id, or copies of them in order"},
                                            .changes = Changes::records,
                                            .applies = onMeshRoute,
                                            .noun = "order of records",
@@ -277,7 +277,7 @@ void addShapes(std::vector<Axis>& rows) {
     rows.back().ofLimit = "ordered";  // so that no vertex id is fetched
     rows.push_back(asShape(
         wordAxis<bool>({.name = "palette",
-                        .option = {.name = "palette-buffer", .aliases = {"palette"}, .help = ", of mesh stages"},
+                        .option = {.name = "palette-buffer", .aliases = {"palette"}, .help = ": block for the palette"},
                         .applies = skinsInMesh,
                         .noun = "palette buffer"},
                        {{"storage", false}, {"uniform", true, "uniform-palette"}},
@@ -287,7 +287,7 @@ void addShapes(std::vector<Axis>& rows) {
 // Whole meshlets that cannot be seen.
 void addClusterCulling(std::vector<Axis>& rows) {
     rows.push_back(wordAxis<ClusterCull>({.name = "cluster_cull",
-                                          .option = {.help = ": whole meshlets, by a task stage or from a list"},
+                                          .option = {.help = ": whole meshlets in a task stage or from a list"},
                                           .applies = cullsMeshlets,
                                           .noun = "culling of meshlets",
                                           .define = "CLUSTER_CULL"},
@@ -296,7 +296,7 @@ void addClusterCulling(std::vector<Axis>& rows) {
                                           {"list", ClusterCull::list, "cluster-list"}},
                                          [](Case& c) -> ClusterCull& { return c.clusterCull; }));
     rows.push_back(wordAxis<uint32_t>({.name = "cluster_tests",
-                                       .option = {.help = ", of culled meshlets"},
+                                       .option = {.help = ": what meshlets are tested for"},
                                        .applies = testsMeshlets,
                                        .noun = "set of tests",
                                        .define = "CLUSTER_TESTS"},
@@ -307,7 +307,7 @@ void addClusterCulling(std::vector<Axis>& rows) {
                                       [](Case& c) -> uint32_t& { return c.clusterTests; }));
     rows.back().beside = "cluster_cull";
     rows.push_back(wordAxis<ClusterBounds>({.name = "cluster_bounds",
-                                            .option = {.help = ", of the frustum test"},
+                                            .option = {.help = ": bounds that the frustum test uses"},
                                             .applies = testsMeshlets,
                                             .noun = "kind of bounds",
                                             .define = "CLUSTER_BOUNDS"},
@@ -338,7 +338,7 @@ void addSkinning(std::vector<Axis>& rows) {
                                        [](Case& c) -> RowFormat& { return c.paletteRows; }));
     rows.back().changesPicture = true;
     rows.push_back(wordAxis<ZeroWeights>({.name = "zero_weights",
-                                          .option = {.help = ": joints of influences that weigh nothing"},
+                                          .option = {.help = ": what is done with influences that weigh nothing"},
                                           .applies = skinsOnDevice,
                                           .noun = "treatment of zero weights",
                                           .define = "ZERO_WEIGHTS"},
@@ -364,7 +364,7 @@ void addDraws(std::vector<Axis>& rows) {
                              {1, UINT16_MAX, "slots-", "", true}, [](Case& c) -> uint32_t& { return c.paletteSlots; }));
     rows.push_back(computeAxis());
     rows.push_back(wordAxis<uint32_t>({.name = "triangle_tests",
-                                       .option = {.help = ", of compute-cull"},
+                                       .option = {.help = ": what compute-cull tests triangles for"},
                                        .applies = listsTriangles,
                                        .noun = "set of tests",
                                        .define = "TRIANGLE_TESTS"},
@@ -388,10 +388,10 @@ void addDraws(std::vector<Axis>& rows) {
                                   {{"per-copy", Submission::perCopy}, {"batched", Submission::batched, "batched"}},
                                   [](Case& c) -> Submission& { return c.submission; })));
     rows.push_back(otherWork(same(wordAxis<bool>(
-        {.name = "back_faces", .option = {.help = ", by the rasteriser"}, .applies = draws},
+        {.name = "back_faces", .option = {.help = ": what the rasteriser does with them"}, .applies = draws},
         {{"culled", false}, {"kept", true, "keep-back-faces"}}, [](Case& c) -> bool& { return c.keepBackFaces; }))));
     rows.push_back(topLevel(wordAxis<Cull>({.name = "cull",
-                                            .option = {.help = ": back faces, in the mesh stage"},
+                                            .option = {.help = ": back faces in the mesh stage"},
                                             .applies = skinsMeshlets,
                                             .noun = "culling",
                                             .define = "CULL"},
@@ -430,13 +430,13 @@ void addDraws(std::vector<Axis>& rows) {
                              [](Case& c) -> RasterMode& { return c.raster; })))));
     rows.push_back(otherWork(
         same(wordAxis<uint32_t>({.name = "views",
-                                 .option = {.help = ": of a frame, the main one and others that draw depth alone"},
+                                 .option = {.help = ": views per frame, the main one and others that draw only depth"},
                                  .applies = draws,
                                  .noun = "number of views"},
                                 {{"1", 1}, {"2", 2, "2-views"}, {"4", 4, "4-views"}, {"8", MOST_VIEWS, "8-views"}},
                                 [](Case& c) -> uint32_t& { return c.views; }))));
     rows.push_back(wordAxis<Queues>(
-        {.name = "queues", .option = {.help = ": async skins the next frame on a second one"}, .applies = skinsFirst},
+        {.name = "queues", .option = {.help = ": async skins the next frame on a second queue"}, .applies = skinsFirst},
         {{"one", Queues::one}, {"async", Queues::async, "async"}}, [](Case& c) -> Queues& { return c.queues; }));
     rows.push_back(wordAxis<View>({.name = "view", .applies = draws, .define = "VIEW"},
                                   {{"shaded", View::shaded},
