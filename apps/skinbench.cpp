@@ -382,7 +382,8 @@ constexpr const char* kFooter =
 int runProgram(int argc, char** argv) {
     CLI::App program{"Compares skinning on this machine's GPUs: vertex, compute and mesh shaders, Vulkan and OpenGL.",
                      "skinbench"};
-    program.set_version_flag("--version", std::string(SKINBENCH_VERSION) + " (" + SKINBENCH_REVISION + ")");
+    program.set_version_flag("--version", std::string(SKINBENCH_VERSION) + " (" + SKINBENCH_REVISION + ")",
+                             "the version");
     writeManual(program);
     program.require_subcommand(1);
     int status = kExitDone;

@@ -176,7 +176,8 @@ int runProgram(int argc, char** argv) {
     CLI::App program{
         "Shows two cases of skinbench side by side: one camera, one clock, any routes, variants and codecs.",
         "skinview"};
-    program.set_version_flag("--version", std::string(SKINBENCH_VERSION) + " (" + SKINBENCH_REVISION + ")");
+    program.set_version_flag("--version", std::string(SKINBENCH_VERSION) + " (" + SKINBENCH_REVISION + ")",
+                             "the version");
     writeManual(program);
     program.footer(kFooter);
     Words words;

@@ -128,7 +128,7 @@ std::string flagsOf(const Case& c) {
 
 Axis computeAxis() {
     Axis axis = startAxis(
-        {.name = "compute", .option = {.help = ": of compute passes, joined with +"}, .applies = skinsInCompute});
+        {.name = "compute", .option = {.help = ": options of compute, joined with +"}, .applies = skinsInCompute});
     axis.words = {"plain"};
     for (const Flag& flag : kComputeFlags) axis.words.push_back(flag.name);
     axis.usual = "plain";
