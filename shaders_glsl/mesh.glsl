@@ -116,8 +116,13 @@ void main() {
 #endif
     }
 #else
+    // The next vertex's id is on its way while this one is skinned. NVIDIA's Vulkan compiler does so by itself, its OpenGL
+    // compiler does not.
+    uint next = meshletVertexId(meshlet, min(gl_LocalInvocationID.x, meshlet.vertexCount - 1u));
     for (uint i = gl_LocalInvocationID.x; i < meshlet.vertexCount; i += uint(GROUP_SIZE)) {
-        LaneVertex made = makeVertex(meshlet, i);
+        uint id = next;
+        next = meshletVertexId(meshlet, min(i + uint(GROUP_SIZE), meshlet.vertexCount - 1u));
+        LaneVertex made = makeVertex(meshlet, i, id);
         writeVertex(meshlet, i, made);
         saveVertex(meshlet, made);
 #if CULL != CULL_OFF

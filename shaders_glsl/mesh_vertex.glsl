@@ -78,9 +78,10 @@ Vertex fetchVertex(Meshlet meshlet, uint i, uint id) {
 #include "skinned.glsl"
 #endif
 
-LaneVertex makeVertex(Meshlet meshlet, uint i) {
+// `id`: of the meshlet's vertex `i`.
+LaneVertex makeVertex(Meshlet meshlet, uint i, uint id) {
     LaneVertex made;
-    made.id = meshletVertexId(meshlet, i);
+    made.id = id;
 #if REUSE_SKINNED
     SkinnedVertex skinned = skinnedVertices[meshlet.copyNumber * uint(VERTEX_COUNT) + made.id];
     made.skinned = Skinned(skinned.positionU.xyz, skinned.normalV.xyz);
@@ -98,3 +99,5 @@ LaneVertex makeVertex(Meshlet meshlet, uint i) {
 #endif
     return made;
 }
+
+LaneVertex makeVertex(Meshlet meshlet, uint i) { return makeVertex(meshlet, i, meshletVertexId(meshlet, i)); }

@@ -35,18 +35,16 @@ struct Skinned {
 
 void addInfluence(inout Blend blend, uint firstRow, float weight) {
 #if ZERO_WEIGHTS == ZERO_WEIGHTS_SKIP
-    if (weight <= 1e-7) return;
+    if (weight > 1e-7)
 #endif
-    addJoint(blend, firstRow, weight);
+        addJoint(blend, firstRow, weight);
 }
 
 // The first `count` of four influences; a constant 4 leaves no test.
 void addFour(inout Blend blend, uint copyNumber, uvec4 joints, vec4 weights, uint count) {
     uvec4 rows = (joints + SKIN_FIRST_JOINT(copyNumber)) * uint(PALETTE_ROWS);
-    if (count > 0u) addInfluence(blend, rows.x, weights.x);
-    if (count > 1u) addInfluence(blend, rows.y, weights.y);
-    if (count > 2u) addInfluence(blend, rows.z, weights.z);
-    if (count > 3u) addInfluence(blend, rows.w, weights.w);
+    for (uint i = 0u; i < 4u; ++i)
+        if (i < count) addInfluence(blend, rows[i], weights[i]);
 }
 
 Blend blendJoints(Vertex vertex, uint copyNumber, uint count) {
