@@ -40,11 +40,19 @@ void addInfluence(inout Blend blend, uint firstRow, float weight) {
         addJoint(blend, firstRow, weight);
 }
 
-// The first `count` of four influences; a constant 4 leaves no test.
+// The first `count` of four influences; a constant 4 leaves no test. NVIDIA's compilers order the loads by how this is
+// written, and neither form is the faster one for both methods (docs/studies/zero_weights.md).
 void addFour(inout Blend blend, uint copyNumber, uvec4 joints, vec4 weights, uint count) {
     uvec4 rows = (joints + SKIN_FIRST_JOINT(copyNumber)) * uint(PALETTE_ROWS);
+#if METHOD == METHOD_DQS
+    if (count > 0u) addInfluence(blend, rows.x, weights.x);
+    if (count > 1u) addInfluence(blend, rows.y, weights.y);
+    if (count > 2u) addInfluence(blend, rows.z, weights.z);
+    if (count > 3u) addInfluence(blend, rows.w, weights.w);
+#else
     for (uint i = 0u; i < 4u; ++i)
         if (i < count) addInfluence(blend, rows[i], weights[i]);
+#endif
 }
 
 Blend blendJoints(Vertex vertex, uint copyNumber, uint count) {
