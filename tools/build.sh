@@ -35,15 +35,24 @@ fi
 if [ ! -f "$build/build.ninja" ]; then
     say "configuring $build, $(lasting 10)"
     if ! cmake -S "$repo" --preset "$preset" -B "$build" >"$build.cmake.log" 2>&1; then
-        grep -A 6 'CMake Error' "$build.cmake.log" | head -n 20 >&2
+        missing=$(sed -n -e 's/.*configuration file provided by "\([^"]*\)".*/\1/p' \
+            -e 's/.*Could NOT find \([^ ]*\).*/\1/p' "$build.cmake.log" | sed -n 1p)
+        if [ -n "$missing" ]; then
+            say "the build needs $missing, which is not installed here; tools/packages.txt lists all it needs"
+        else
+            grep -A 6 'CMake Error' "$build.cmake.log" | head -n 20 >&2
+        fi
         say "cmake could not configure $build; all that it printed is in $build.cmake.log"
         exit 1
     fi
 fi
+# A file that is new is a step only once CMake has run again.
+ninja -C "$build" build.ninja >"$build.ninja.log" 2>&1 || true
 steps=$(ninja -C "$build" -n "$target" 2>/dev/null | sed -n 's,^\[[0-9]*/\([0-9]*\)\].*,\1,p' | tail -n 1)
 if [ -n "$steps" ]; then
     # A file takes six seconds of one core, at the most; ccache knows many of them already.
-    say "building $target in $build, $steps steps, $(lasting $((steps * 6 / $(nproc) + 1))) at the most"
+    [ "$steps" = 1 ] && unit=step || unit=steps
+    say "building $target in $build, $steps $unit, $(lasting $((steps * 6 / $(nproc) + 1))) at the most"
     if ! build_target; then
         sed -n '/^FAILED/,$p' "$build.ninja.log" | head -n 40 >&2
         say "$target could not be built; all that ninja printed is in $build.ninja.log"
