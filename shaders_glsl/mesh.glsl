@@ -116,12 +116,11 @@ void main() {
 #endif
     }
 #else
-    // The next vertex's id is on its way while this one is skinned. NVIDIA's Vulkan compiler does so by itself, its OpenGL
-    // compiler does not.
-    uint next = meshletVertexId(meshlet, min(gl_LocalInvocationID.x, meshlet.vertexCount - 1u));
+    uint last = meshlet.vertexCount - 1u, next = 0u;
+    if (LOADS_AHEAD) next = meshletVertexId(meshlet, min(gl_LocalInvocationID.x, last));
     for (uint i = gl_LocalInvocationID.x; i < meshlet.vertexCount; i += uint(GROUP_SIZE)) {
-        uint id = next;
-        next = meshletVertexId(meshlet, min(i + uint(GROUP_SIZE), meshlet.vertexCount - 1u));
+        uint id = LOADS_AHEAD ? next : meshletVertexId(meshlet, i);
+        if (LOADS_AHEAD) next = meshletVertexId(meshlet, min(i + uint(GROUP_SIZE), last));
         LaneVertex made = makeVertex(meshlet, i, id);
         writeVertex(meshlet, i, made);
         saveVertex(meshlet, made);
