@@ -116,6 +116,9 @@ struct Selectors {
 // The cases that were named, or the crossed ones; raster modes that were not named are the preset's.
 Result<std::vector<Case>> selectedCases(const Selectors& selectors);
 
+// The crossings one behind the other, each case once. That some of them have no case is no error.
+Result<std::vector<Case>> crossedOnce(const std::vector<AxisWords>& crossings);
+
 // --shape auto: times every shape of each mesh case for a few frames and gives the case its fastest.
 Result<std::vector<Calibration>> calibrateShapes(Workload& workload, std::vector<Case>& cases, const Backends& backends,
                                                  const BenchSettings& settings);
@@ -213,7 +216,7 @@ inline constexpr float kUsualYaw = 25;  // degrees that a single character is tu
 
 struct RenderOptions {
     Selectors selectors;
-    std::string route = "auto", view, out;  // view: empty is the case's own
+    std::string view, out;  // view: empty is the case's own
     float yaw = kUsualYaw;
     uint32_t animate = 0;     // frames over the clip; 0: one picture
     bool difference = false;  // of two cases, beside them

@@ -1,8 +1,10 @@
 #include <algorithm>
 #include <cmath>
 #include <format>
+#include <utility>
 
 #include "apps/picture_thread.h"
+#include "apps/selectors.h"
 #include "common/core/file.h"
 #include "common/frame/animation.h"
 
@@ -12,42 +14,102 @@ namespace {
 constexpr size_t kMostPictures = 8;
 constexpr int kQuality = 80;  // of WebP
 
-// Those that the words cross, in the order of ids. The device of route auto stays with the options.
+// The variant that a route draws where none is named.
+const char* usualVariant(const Route* route) {
+    if (route && route->api == Api::cpu) return "cpu";
+    return route && route->dialect != MeshDialect::none ? "mesh" : "vertex";
+}
+
+// Where a variant that is named without a route is drawn: on the route of `auto`, or on one of its API that has it, or
+// on the other API; on one that the device draws it on, if there is one.
+const Route& routeFor(const Variant& variant, const Choice& choice, const std::vector<DeviceCaps>& devices) {
+    std::vector<const Route*> suiting;
+    for (const Route& route : routes())
+        if (route.api != Api::cpu && runsOn(variant, route)) suiting.push_back(&route);
+    if (suiting.empty()) return *choice.route;
+    std::ranges::stable_sort(suiting, {}, [&](const Route* route) {
+        return route == choice.route ? 0 : route->api == choice.route->api ? 1 : 2;
+    });
+    const auto draws = [&](const Route* route) {
+        const Case c = caseOf({route->name, variant.name, ""});
+        return std::ranges::any_of(
+            devices, [&](const DeviceCaps& caps) { return caps.api == route->api && !unsupported(c, caps); });
+    };
+    const auto drawn = std::ranges::find_if(suiting, draws);
+    return drawn == suiting.end() ? *suiting.front() : **drawn;
+}
+
+// The words with a route for each variant. The device of route auto stays with the options.
+Result<std::vector<AxisWords>> crossingsOf(RenderOptions& options) {
+    const AxisWords& words = options.selectors.words;
+    const auto named = [&](const char* axis) {
+        const auto found = words.find(axis);
+        return found == words.end() ? std::vector<std::string>() : found->second;
+    };
+    std::vector<std::string> routes = named("route"), variants = named("variant");
+    std::vector<AxisWords> crossings;
+    const auto cross = [&](const std::string& route, const std::vector<std::string>& on) {
+        crossings.push_back(words);
+        crossings.back()["route"] = {route};
+        crossings.back()["variant"] = on;
+        crossings.back()["raster"] = presetRasters(options.selectors);
+    };
+    if (!routes.empty() && routes != std::vector<std::string>{"auto"}) {
+        for (const std::string& route : routes)
+            cross(route, variants.empty() ? std::vector<std::string>{usualVariant(findRoute(route))} : variants);
+        return crossings;
+    }
+    std::string& device = options.selectors.device;
+    const auto choice = chooseRouteOf(device);
+    SKINBENCH_TRY(choice);
+    const std::string reason = std::string("route ") + choice->route->name + ": " + choice->reason;
+    if (variants.empty()) variants = {choice->variant->name};
+    const auto caps = device.empty() ? std::vector<DeviceCaps>() : capsOfDevice(std::stoul(device));
+    bool said = false;
+    for (const std::string& word : variants) {
+        const Variant* const variant = findVariant(word);
+        const bool usual = !variant || (choice->route->api == Api::cpu && variant == choice->variant);
+        const Route& route = usual ? *choice->route : routeFor(*variant, *choice, caps);
+        if (&route != choice->route)
+            say(std::format("route {}: {} does not run on {}", route.name, word, choice->route->name));
+        else if (!std::exchange(said, true))
+            say(reason);
+        cross(route.name, {word});
+    }
+    return crossings;
+}
+
+// Those that the words cross. What was named and is in none of them is one line with its reason.
+Result<std::vector<Case>> crossedPictures(RenderOptions& options) {
+    AxisWords all = options.selectors.words;
+    if (all["route"] == std::vector<std::string>{"auto"}) all["route"].clear();
+    SKINBENCH_TRY(crossCases(all));  // what is wrong about a word comes before any other line
+    const auto crossings = crossingsOf(options);
+    SKINBENCH_TRY(crossings);
+    for (const char* axis : {"route", "variant"}) {
+        all[axis].clear();
+        for (const AxisWords& words : *crossings)
+            for (const std::string& word : words.at(axis))
+                if (!std::ranges::contains(all[axis], word)) all[axis].push_back(word);
+    }
+    auto cases = crossedOnce(*crossings);
+    SKINBENCH_TRY(cases);
+    for (const Unused& unused : unusedWords(all, *cases)) {
+        std::string words;
+        for (const std::string& word : unused.words) words += (words.empty() ? "" : ",") + word;
+        warn(std::format("{} {} is not drawn: {}", unused.option, words, unused.reason));
+    }
+    // Both ways of fetching draw one picture; only who names them sees it twice.
+    if (all["vertex_fetch"].empty())
+        std::erase_if(*cases, [](const Case& c) { return c.fetch == VertexFetch::pull && c.codec->feedsAttributes; });
+    return cases;
+}
+
 Result<std::vector<Case>> chosenCases(RenderOptions& options) {
     Case scratch;
     if (!options.view.empty()) SKINBENCH_TRY(findAxis("view")->set(scratch, options.view));
-    Selectors selectors = options.selectors;
-    AxisWords& words = selectors.words;
-    std::string route = options.route;
-    if (selectors.caseIds.empty() && route == "auto") {
-        const auto choice = chooseRouteOf(options.selectors.device);
-        SKINBENCH_TRY(choice);
-        route = choice->route->name;
-        if (words["variant"].empty()) words["variant"] = {choice->variant->name};
-        // A variant that was named leads to the first route that has it.
-        const Variant* const named = findVariant(words["variant"].front());
-        const auto carries = [&](const Route& row) { return named && runsOn(*named, row) && row.api != Api::cpu; };
-        if (const auto first = std::ranges::find_if(routes(), carries);
-            first != routes().end() && !runsOn(*named, *choice->route)) {
-            route = first->name;
-            say(std::format("route {}: {} does not run on {}", route, named->name, choice->route->name));
-        } else {
-            say(std::string("route ") + choice->route->name + ": " + choice->reason);
-        }
-    }
-    if (selectors.caseIds.empty()) {
-        words["route"] = {route};
-        const Route* const row = findRoute(route);
-        if (words["variant"].empty())
-            words["variant"] = {row && row->dialect != MeshDialect::none ? "mesh"
-                                : row && row->api == Api::cpu            ? "cpu"
-                                                                         : "vertex"};
-    }
-    auto cases = selectedCases(selectors);
+    auto cases = options.selectors.caseIds.empty() ? crossedPictures(options) : selectedCases(options.selectors);
     SKINBENCH_TRY(cases);
-    // Both ways of fetching draw one picture; only who names them sees it twice.
-    if (selectors.caseIds.empty() && words["vertex_fetch"].empty())
-        std::erase_if(*cases, [](const Case& c) { return c.fetch == VertexFetch::pull && c.codec->feedsAttributes; });
     if (cases->size() > kMostPictures)
         return inputError(std::format("{} cases are more pictures than one file takes side by side ({}); name fewer",
                                       cases->size(), kMostPictures));

@@ -1,7 +1,6 @@
 #include <algorithm>
 #include <format>
 #include <iostream>
-#include <set>
 #include <utility>
 
 #include <nlohmann/json.hpp>
@@ -23,23 +22,6 @@ AxisWords plainWords(const Selectors& given) {
     words["raster"] = presetRasters(given);
     words["zero_weights"] = {"load"};  // as the programs of the theses do
     return words;
-}
-
-// The crossings one behind the other, each case once.
-Result<std::vector<Case>> crossedOnce(const std::vector<AxisWords>& lines) {
-    std::vector<Case> cases;
-    std::set<std::string> known;
-    std::optional<Error> firstError;
-    for (const AxisWords& words : lines) {
-        auto crossed = crossCases(words);
-        if (!crossed && !firstError) firstError = crossed.error();
-        if (!crossed) continue;
-        for (const Case& c : *crossed)
-            if (known.insert(caseId(c)).second) cases.push_back(c);
-    }
-    // A route may lack some of the lines; that it has none, or does not exist, is an error.
-    if (cases.empty()) return std::unexpected(*firstError);
-    return cases;
 }
 
 // `words` with other values on some axes.

@@ -40,7 +40,7 @@ bool isPositional(const CLI::Option& option) { return option.get_lnames().empty(
 std::string optionText(const CLI::Option& option) {
     std::string names;
     for (const std::string& name : option.get_snames()) names += (names.empty() ? "-" : ", -") + name;
-    for (const std::string& name : option.get_lnames()) names += (names.empty() ? "--" : ", --") + name;
+    if (!option.get_lnames().empty()) names += (names.empty() ? "--" : ", --") + option.get_lnames().front();
     if (isPositional(option)) names = upper(option.get_name());
     if (!isPositional(option) && option.get_items_expected_max() > 0)
         names += option.get_delimiter() ? " WORD,..." : " " + option.get_type_name();
@@ -67,7 +67,8 @@ std::string manualPage(const CLI::App* command, std::string, CLI::AppFormatMode)
         for (bool positional : {true, false}) {
             std::string options;
             for (const CLI::Option* option : command->get_options())
-                if (option->get_group() == group && isPositional(*option) == positional) options += optionText(*option);
+                if (!group.empty() && option->get_group() == group && isPositional(*option) == positional)
+                    options += optionText(*option);
             if (!options.empty()) page += "\n" + (positional ? "ARGUMENTS" : upper(group)) + "\n" + options;
         }
     if (const auto commands = command->get_subcommands({}); !commands.empty()) page += "\nCOMMANDS\n";

@@ -48,7 +48,8 @@ inline CLI::Validator oneOf(const std::vector<std::string>& words) {
 }
 
 // Makes `--help` a page of a manual, of the program and of subcommands that are added later: name, synopsis, a
-// paragraph for each option by its group, commands, and the footer as it is.
+// paragraph for each option by its group, commands, and the footer as it is. Of several long names of an option the
+// page has the first; options of a group without a name are not on it.
 void writeManual(CLI::App& program);
 
 // The exit status where the words end the program: help, version, or one line about what is wrong.

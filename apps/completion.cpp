@@ -49,7 +49,8 @@ std::vector<std::string> valuesOf(std::string name) {
 }
 
 struct Option {
-    std::vector<std::string> names;  // "--routes", "-o"
+    std::vector<std::string> names;    // "--routes", "-o"
+    std::vector<std::string> aliases;  // which are understood and not offered
     std::string help;
     bool takesValue = false;
     std::vector<std::string> values;
@@ -70,8 +71,10 @@ Command commandOf(const CLI::App& app, const std::string& name) {
             for (const std::string& word : valuesOf(known->get_name())) command.words.push_back(word);
             continue;
         }
-        Option option{{}, known->get_description(), known->get_items_expected_max() > 0, {}};
-        for (const std::string& word : known->get_lnames()) option.names.push_back("--" + word);
+        if (known->get_group().empty()) continue;
+        Option option{{}, {}, known->get_description(), known->get_items_expected_max() > 0, {}};
+        for (const std::string& word : known->get_lnames())
+            (option.names.empty() ? option.names : option.aliases).push_back("--" + word);
         for (const std::string& word : known->get_snames()) option.names.push_back("-" + word);
         if (option.takesValue && !known->get_lnames().empty()) option.values = valuesOf(known->get_lnames().front());
         command.options.push_back(std::move(option));
@@ -92,7 +95,8 @@ std::string valueCases(const std::vector<Command>& commands, const std::string& 
         for (const Option& option : command.options) {
             if (option.values.empty()) continue;
             std::vector<std::string> patterns;
-            for (const std::string& name : option.names) patterns.push_back("'" + command.name + " " + name + "'");
+            for (const auto* names : {&option.names, &option.aliases})
+                for (const std::string& name : *names) patterns.push_back("'" + command.name + " " + name + "'");
             text += std::format("        {}) {}{}{} ;;\n", joinedBy(patterns, " | "), before,
                                 joinedBy(option.values, " "), after);
         }
@@ -199,8 +203,9 @@ std::string fishScript(const std::vector<Command>& commands) {
             text += "complete -c skinbench -n " + when + " -f -a '" + joinedBy(command.words, " ") + "'\n";
         for (const Option& option : command.options) {
             text += "complete -c skinbench -n " + when;
-            for (const std::string& name : option.names)
-                text += name.starts_with("--") ? " -l " + name.substr(2) : " -s " + name.substr(1);
+            for (const auto* names : {&option.names, &option.aliases})
+                for (const std::string& name : *names)
+                    text += name.starts_with("--") ? " -l " + name.substr(2) : " -s " + name.substr(1);
             if (!option.values.empty())
                 text += " -x -a '(__fish_append , " + joinedBy(option.values, " ") + ")'";
             else if (option.takesValue)

@@ -1,6 +1,7 @@
 #include <algorithm>
 #include <charconv>
 #include <format>
+#include <set>
 
 #include "apps/selectors.h"
 
@@ -130,6 +131,22 @@ Result<std::vector<Case>> selectedCases(const Selectors& s) {
         SKINBENCH_TRY(parsed);
         cases.push_back(*parsed);
     }
+    return cases;
+}
+
+Result<std::vector<Case>> crossedOnce(const std::vector<AxisWords>& crossings) {
+    std::vector<Case> cases;
+    std::set<std::string> known;
+    std::optional<Error> firstError;
+    for (const AxisWords& words : crossings) {
+        auto crossed = crossCases(words);
+        if (!crossed && !firstError) firstError = crossed.error();
+        if (!crossed) continue;
+        for (const Case& c : *crossed)
+            if (known.insert(caseId(c)).second) cases.push_back(c);
+    }
+    // A route may lack some of the crossings; that it has none, or does not exist, is an error.
+    if (cases.empty()) return std::unexpected(*firstError);
     return cases;
 }
 

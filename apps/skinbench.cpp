@@ -12,36 +12,41 @@ namespace skinbench {
 
 namespace {
 
-// "--palette-buffer,--palette"
-std::string spellings(const Axis& axis) {
-    std::string names = "--" + axis.option.name;
-    for (const std::string& alias : axis.option.aliases) names += ",--" + alias;
+// "--palette-buffer,--palette": what the help shows first. Every command takes all of them; those that draw pictures
+// show the name of the axis.
+std::string spellings(const Axis& axis, bool ofPicture = false) {
+    std::string name = axis.name;
+    std::ranges::replace(name, '_', '-');
+    std::vector<std::string> all =
+        ofPicture ? std::vector{name, axis.option.name} : std::vector{axis.option.name, name};
+    all.insert(all.end(), axis.option.aliases.begin(), axis.option.aliases.end());
+    std::string names;
+    for (auto word = all.begin(); word != all.end(); ++word)
+        if (std::find(all.begin(), word, *word) == word) names += (names.empty() ? "--" : ",--") + *word;
     return names;
 }
 
 std::string helpOf(const Axis& axis) { return wordsOf(axis) + axis.option.help; }
 
 std::string usualOf(const Axis& axis) {
-    if (axis.name == "vertex_fetch") return " (default: both)";
-    return " (default: " + (axis.inPath && axis.usual.empty() ? "all" : axis.usual) + ")";
+    if (axis.name == "vertex_fetch") return "both";
+    return axis.inPath && axis.usual.empty() ? "all" : axis.usual;
 }
 
-void addAxes(CLI::App& command, AxisWords& words) {
-    for (const Axis& axis : axes())
-        if (axis.benched)
-            command.add_option(spellings(axis), words[axis.name], helpOf(axis) + usualOf(axis))
-                ->delimiter(',')
-                ->allow_extra_args(false)
-                ->group("Cases: lists are crossed");
+// A single picture.
+std::string usualOfPicture(const Axis& axis) {
+    if (axis.name == "route") return "auto";
+    if (axis.name == "variant") return "what auto takes; on a named route mesh, or vertex where it has no mesh shader";
+    if (axis.name == "vertex_fetch") return "attributes, or pull where the codec needs it";
+    return usualOf(axis);
 }
 
-// Axes of a picture, each under its own name; several values are several pictures.
-void addPictureAxes(CLI::App& command, AxisWords& words) {
+// Several values are several cases, or pictures.
+void addAxes(CLI::App& command, AxisWords& words, bool ofPicture = false) {
     for (const Axis& axis : axes()) {
-        if (!axis.benched || axis.name == "route" || axis.name == "raster") continue;
-        std::string option = axis.name;
-        std::ranges::replace(option, '_', '-');
-        command.add_option("--" + option, words[axis.name], helpOf(axis) + usualOf(axis))
+        if (!axis.benched || (ofPicture && axis.name == "raster")) continue;
+        const std::string usual = ofPicture ? usualOfPicture(axis) : usualOf(axis);
+        command.add_option(spellings(axis, ofPicture), words[axis.name], helpOf(axis) + " (default: " + usual + ")")
             ->delimiter(',')
             ->allow_extra_args(false)
             ->group("Cases: lists are crossed");
@@ -189,8 +194,7 @@ void addRender(CLI::App& program, int& status) {
         program.add_subcommand("render", "draw one variant to a PNG file, or several side by side: --method lbs,dqs");
     Selectors& s = options->selectors;
     command->add_option("scene", s.scene, "a .gltf or .glb file, or builtin:NAME[:VERTICES]")->required();
-    command->add_option("--route", options->route, helpOf(*findAxis("route")))->capture_default_str();
-    addPictureAxes(*command, s.words);
+    addAxes(*command, s.words, true);
     addKeepBackFaces(*command, s.words);
     command
         ->add_option(
@@ -228,7 +232,7 @@ void addInspect(CLI::App& program, int& status) {
     Selectors& s = options->selectors;
     command->add_option("scene", s.scene, "a .gltf or .glb file, or builtin:NAME[:VERTICES]")->required();
     command
-        ->add_option("--meshlets", s.words["meshlet_limits"],
+        ->add_option(spellings(*findAxis("meshlet_limits")), s.words["meshlet_limits"],
                      "limits of a meshlet, as VERTICES/TRIANGLES (default: 64/124)")
         ->expected(1);
     command->add_option("--influences", s.words["influences"], "4 or 8 (default: 4)")->expected(1);
@@ -318,7 +322,8 @@ void addReproduce(CLI::App& program, int& status) {
     command->add_option("thesis", options->thesis, "torabi or kimmersdorfer")->required();
     command->add_option("scenes", options->scenes,
                         "glTF files or builtin:NAME[:VERTICES] (default: every built-in scene)");
-    command->add_option("--routes", s.words["route"], wordsOf(*findAxis("route")) + " (default: all)")
+    command
+        ->add_option(spellings(*findAxis("route")), s.words["route"], wordsOf(*findAxis("route")) + " (default: all)")
         ->delimiter(',')
         ->allow_extra_args(false);
     command->add_option("--copies", s.copies, "characters, each with memory of its own (default: by device)")

@@ -31,15 +31,15 @@ bool groupsTriangles(const Case& c) { return sharesJointLists(c) && c.ci.groupin
 
 // Rows of codecs(), or any other that findCodec knows, but for those that follow from where the joints are.
 Axis codecAxis() {
-    Axis axis = rowAxis<Codec>({.name = "codec", .option = {.name = "codecs"}, .changes = Changes::encoding}, codecs(),
-                               "uc", [](Case& c) -> const Codec*& { return c.codec; });
-    axis.set = [there = joined(axis.words)](Case& c, const std::string& text) {
+    constexpr const char* kOthers = ", and wicked, pc16, pc24 to pc64";
+    Axis axis =
+        rowAxis<Codec>({.name = "codec", .option = {.name = "codecs", .help = kOthers}, .changes = Changes::encoding},
+                       codecs(), "uc", [](Case& c) -> const Codec*& { return c.codec; });
+    axis.set = [there = joined(axis.words) + kOthers](Case& c, const std::string& text) {
         const Codec* const codec = findCodec(text);
         const bool follows =
             std::ranges::any_of(codecs(), [&](const Codec& row) { return row.slim && text == row.slim; });
-        if (!codec || follows)
-            return Result<void>(
-                inputError(std::format("no codec '{}'; there is {}, and wicked, pc16, pc24 to pc64", text, there)));
+        if (!codec || follows) return Result<void>(inputError(std::format("no codec '{}'; there is {}", text, there)));
         c.codec = codec;
         return Result<void>{};
     };

@@ -367,6 +367,33 @@ TEST_CASE("render writes a PNG file of the asked size") {
     CHECK(bytes->substr(16, 8) == std::string("\0\0\0\x60\0\0\0\x40", 8));
 }
 
+TEST_CASE("render draws every variant that was named, or says why not") {
+    const json found = json::parse(call({"probe", "--json"}).out, nullptr, false);
+    REQUIRE(found.is_object());
+    if (found["auto"]["route"] != "vk-ext") SKIP("auto is not vk-ext");
+    const Words words = {"render", "builtin:robot:2000", "--size", "16x16", "-o", "variants.png", "--variant"};
+    const auto with = [&](const Words& more) {
+        Words all = words;
+        all.insert(all.end(), more.begin(), more.end());
+        return call(all);
+    };
+    const Outcome three = with({"vertex,compute,mesh"});
+    INFO(three.err);
+    CHECK(three.status == 0);
+    for (const char* part : {"picture 1: vk/vertex/uc\n", "picture 2: vk/compute/uc\n", "picture 3: vk-ext/mesh/uc/",
+                             "route vk: vertex does not run on vk-ext\n"})
+        CHECK_THAT(three.err, ContainsSubstring(part));
+    CHECK(readWholeFile(pathOf("variants.png")).value_or("").substr(16, 4) == std::string("\0\0\0\x30", 4));
+    const Outcome one = with({"vertex,mesh", "--route", "vk"});
+    CHECK(one.status == 0);
+    CHECK(one.err ==
+          "skinbench: warning: --variants mesh is not drawn: mesh needs vk-ext, vk-nv, gl-ext or gl-nv\n"
+          "skinbench: variants.png\n");
+    const Outcome routes = with({"vertex,mesh", "--routes", "vk,gl-ext"});
+    CHECK_THAT(routes.err,
+               ContainsSubstring("picture 1: vk/vertex/uc\n") && ContainsSubstring("picture 2: gl-ext/mesh/uc/"));
+}
+
 TEST_CASE("a picture of what is culled counts what a result file counts") {
     const Words scene = {"builtin:robot:2000", "--copies", "7", "--size", "320x180", "--camera", "half"};
     const auto with = [&](const char* subcommand, const Words& more) {
