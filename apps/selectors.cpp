@@ -129,7 +129,7 @@ Result<std::vector<Case>> selectedCases(const Selectors& s) {
     for (const std::string& id : s.caseIds) {
         auto parsed = parseCaseId(id);
         SKINBENCH_TRY(parsed);
-        cases.push_back(*parsed);
+        if (!std::ranges::contains(cases, caseId(*parsed), caseId)) cases.push_back(*parsed);
     }
     return cases;
 }
