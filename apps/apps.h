@@ -175,14 +175,16 @@ int statusOf(const std::vector<CaseResult>& results);
 
 // --- subcommands: options in, exit status out ------------------------------------------------------------------
 
+inline constexpr const char* kUsualBaseline = "vertex";
+
 struct RunOptions {
     Selectors selectors;
     bool timed = true;
     bool json = false;
-    bool list = false;                // the cases alone
-    std::string baseline = "vertex";  // RunContext::baseline
-    std::string command;              // RunContext::command
-    std::string out;                  // folder of results.json, results.csv and report.html; empty: none
+    bool list = false;     // the cases alone
+    std::string baseline;  // RunContext::baseline; empty: kUsualBaseline
+    std::string command;   // RunContext::command
+    std::string out;       // folder of results.json, results.csv and report.html; empty: none
 };
 int runCases(const RunOptions& options);  // bench and verify
 

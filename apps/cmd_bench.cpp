@@ -74,10 +74,14 @@ Result<void> resolveAuto(Selectors& selectors) {
     return {};
 }
 
-// The name of a variant, or the id of a case that is selected.
+// The name of a variant, or the id of a case. What was named is selected.
 Result<std::string> baselineOf(const RunOptions& options, const std::vector<Case>& cases) {
     const std::string& word = options.baseline;
-    if (findVariant(word)) return word;
+    if (word.empty()) return kUsualBaseline;
+    if (const Variant* const variant = findVariant(word)) {
+        if (std::ranges::contains(cases, variant, &Case::variant)) return word;
+        return inputError("--baseline " + word + ": no case of this run has that variant; --list shows them");
+    }
     if (!word.contains('/'))
         return inputError(std::format("--baseline '{}' is neither a variant ({}) nor the id of a case", word,
                                       tableNames(variants())));
@@ -87,6 +91,15 @@ Result<std::string> baselineOf(const RunOptions& options, const std::vector<Case
     if (std::ranges::find(cases, id, caseId) == cases.end())
         return inputError("--baseline " + id + " is not among the cases of this run; --list shows them");
     return id;
+}
+
+// A baseline that was named and has no time: its column is left out.
+void sayUntimed(const RunOptions& options, const nlohmann::ordered_json& json) {
+    const auto divided = [](const auto& row) { return !row["baseline_ms"].is_null(); };
+    const auto timed = [](const auto& row) { return !row["gpu_ms"].is_null(); };
+    if (!options.baseline.empty() && std::ranges::any_of(json["cases"], timed) &&
+        std::ranges::none_of(json["cases"], divided))
+        say("--baseline " + options.baseline + " has no time in this run, so no time is divided by it");
 }
 
 // Pairs of the self-test that differ beyond their intervals.
@@ -107,6 +120,7 @@ int finishRun(const RunOptions& options, ResultFiles& files, const nlohmann::ord
     const std::string text = dumpJson(json) + "\n";
     std::cout << (options.json ? text : resultsTable(json, terminalWidth()));
     const int printed = flushOutput();
+    sayUntimed(options, json);
     const bool own = isWorthAFile(files, results);
     int written = kExitDone;
     if (begin(files, own || !interrupted())) {

@@ -164,6 +164,10 @@ constexpr const char* kTableColumns =
     "of\n"
     "the others. The variant none, route cpu and half-rate updates do not compete.\n";
 
+// What verify takes, so that one line of words serves both commands, and has no use for.
+constexpr const char* kOptionsOfTimes[] = {"--frames",     "--warmup",    "--rounds", "--precision",
+                                           "--time-limit", "--placement", "--seed"};
+
 void addRun(CLI::App& program, int& status, bool timed, const std::string& commandLine) {
     auto options = std::make_shared<RunOptions>();
     options->timed = timed;
@@ -180,7 +184,9 @@ void addRun(CLI::App& program, int& status, bool timed, const std::string& comma
         command
             ->add_option("--baseline", options->baseline,
                          "what times are divided by: a variant, on the same API, or the id of a case")
-            ->capture_default_str();
+            ->default_str(kUsualBaseline);
+    else
+        for (const char* name : kOptionsOfTimes) command->get_option(name)->group("");
     command->footer("Presets, and the default for each kind of device:\n" + presetTable() + "\n" + kTableColumns);
     if (timed)
         command->add_flag("--self-test", options->selectors.selfTest,

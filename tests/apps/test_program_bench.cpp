@@ -331,6 +331,12 @@ TEST_CASE("without any driver the CPU route runs and the others say what is miss
     }
     CHECK(ran > 0);
 
+    const Outcome divided = call({"bench", "builtin:robot:2000", "--preset", "quick", "--routes", "cpu,vk",
+                                  "--variants", "cpu,vertex", "--baseline", "vertex", "--out", "nodriver"},
+                                 none);
+    CHECK(divided.status == 0);
+    CHECK_THAT(divided.err, ContainsSubstring("skinbench: --baseline vertex has no time in this run"));
+
     const Outcome probe = call({"probe", "--json"}, none);
     CHECK(probe.status == 0);
     const json found = json::parse(probe.out, nullptr, false);
