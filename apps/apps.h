@@ -216,6 +216,8 @@ std::optional<std::string> reasonAgainst(const Case& c, const Backends& backends
 
 inline constexpr float kUsualYaw = 25;  // degrees that a single character is turned by in pictures
 
+inline constexpr uint32_t kMostFrames = 10'000;  // of a clip
+
 struct RenderOptions {
     Selectors selectors;
     std::string view, out;  // view: empty is the case's own

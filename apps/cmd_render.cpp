@@ -1,5 +1,6 @@
 #include <algorithm>
 #include <cmath>
+#include <filesystem>
 #include <format>
 #include <utility>
 
@@ -185,6 +186,24 @@ Result<Image> imageOf(const Pictures& drawn) {
     return sideBySide(images);
 }
 
+std::string framePath(const std::string& folder, uint32_t frame) { return std::format("{}/{:04}.png", folder, frame); }
+
+// Frames of an earlier, longer clip would look like this one's.
+Result<void> checkFolder(const std::string& folder, uint32_t frames) {
+    uint32_t older = 0;
+    std::string first;
+    std::error_code failed;
+    for (uint32_t frame = frames; frame < kMostFrames; ++frame) {
+        if (!std::filesystem::exists(framePath(folder, frame), failed)) continue;
+        if (older++ == 0) first = std::filesystem::path(framePath(folder, frame)).filename();
+    }
+    if (older == 0) return {};
+    const std::string what = older == 1 ? "a frame" : std::format("{} frames", older);
+    return inputError(std::format(
+        "{}: {} of another clip would stay behind this one's, from {} on; remove {}, or name another folder", folder,
+        what, first, older == 1 ? "it" : "them"));
+}
+
 // The clip in so many frames, its beginning behind its end: a WebP file, or a folder of PNG files. The first moment is
 // verified as a single picture is.
 Result<void> renderAnimation(RenderOptions options) {
@@ -211,7 +230,7 @@ Result<void> renderAnimation(RenderOptions options) {
         SKINBENCH_TRY(image);
         if (frame == 0) step = (drawn->duration > 0 ? drawn->duration : options.animate / 60.0) / options.animate;
         if (!file) {
-            SKINBENCH_TRY(savePng(*image, std::format("{}/{:04}.png", options.out, frame)));
+            SKINBENCH_TRY(savePng(*image, framePath(options.out, frame)));
             continue;
         }
         if (!animation) animation = std::make_unique<Animation>(image->width, image->height, kQuality);
@@ -231,9 +250,11 @@ int runRender(const RenderOptions& options) {
         if (file && !hasAnimations())
             return reportError(
                 {Fault::input, options.out + ": this build cannot write WebP; name a folder for PNG files"});
-        const std::string output = file ? options.out : options.out + "/0000.png";
+        const std::string output = file ? options.out : framePath(options.out, 0);
         if (auto possible = checkOutput(output, {&options.selectors.scene, 1}); !possible)
             return reportError(possible.error());
+        if (auto alone = file ? Result<void>() : checkFolder(options.out, options.animate); !alone)
+            return reportError(alone.error());
         if (const auto drawn = renderAnimation(options); !drawn) return reportError(drawn.error());
         say(options.out);
         return kExitDone;

@@ -212,7 +212,7 @@ void addRender(CLI::App& program, int& status) {
     command
         ->add_option("--animate", options->animate,
                      "draw this many frames of the clip, into a folder of PNG files or a .webp file")
-        ->check(numberFrom(1u, 10'000u));
+        ->check(numberFrom(1u, kMostFrames));
     command->add_option("--view", options->view, wordsOf(*findAxis("view")) + " (default: shaded)");
     command->add_option("--time", s.seconds, "seconds into the animation")
         ->check(numberFrom(0.0, 1e6))

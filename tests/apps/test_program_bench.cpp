@@ -443,6 +443,11 @@ TEST_CASE("render draws a clip as files, one after the other, or as one file, wi
     CHECK(first->substr(16, 8) == std::string("\0\0\0\x90\0\0\0\x20", 8));
     CHECK(*first != *second);
     CHECK(!fs::exists(pathOf("frames/0002.png")));
+    checkRefused(with({"1", "-o", "frames"}), 2,
+                 "frames: a frame of another clip would stay behind this one's, from 0001.png on; remove it, or name");
+    CHECK(readWholeFile(pathOf("frames/0000.png")) == *first);
+    fs::copy_file(pathOf("frames/0001.png"), pathOf("frames/0002.png"));
+    checkRefused(with({"1", "-o", "frames"}), 2, "frames: 2 frames of another clip would stay");
     const Outcome moving = with({"3", "-o", "moving.webp"});
     if (moving.status == 2) SKIP(moving.err);
     CHECK(moving.status == 0);
