@@ -165,7 +165,11 @@ int runProbe(const ProbeOptions& options) {
         auto answer = measureChoices(options.scene, found->device, found->choice);
         if (!answer) return reportError(answer.error());
         measured = std::move(*answer);
-        if (measured["fastest"].is_null()) status = reportError({Fault::device, "no route could be timed"});
+        if (measured["fastest"].is_null())
+            status = reportError(
+                {Fault::device, interrupted() ? "interrupted before a case was done" : "no route could be timed"});
+        else if (interrupted())
+            say("interrupted; what was measured until then is printed");
     }
     if (options.json)
         std::cout << dumpJson(probeJson(*found, measured)) << "\n";
