@@ -28,9 +28,11 @@ std::string settingsPath(const Words& words) {
     return userFile("XDG_CONFIG_HOME", ".config", "view.json");
 }
 
+// A file that is not there yet is written at the end.
 Result<ViewState> keptState(const Words& words) {
     const std::string path = settingsPath(words);
-    if (path.empty() || (words.settings.empty() && !std::filesystem::exists(path))) return ViewState();
+    std::error_code failed;
+    if (path.empty() || !std::filesystem::exists(path, failed)) return ViewState();
     const auto read = readWholeFile(path).and_then([&](const std::string& text) -> Result<ViewState> {
         const auto state = readSettings({}, text);
         return state ? state : errorAt(path, state.error());
@@ -55,10 +57,14 @@ int run(const Words& words) {
         for (const auto& right :
              {checkSuffix(words.screenshot, ".png"), checkOutput(words.screenshot, {&words.state.scene, 1})})
             if (!right) return reportError(right.error());
+    if (!words.settings.empty())
+        if (const auto possible = checkOutput(words.settings, {&words.state.scene, 1}); !possible)
+            return reportError(possible.error());
     catchInterrupts();
     const bool watched = words.frames == 0;
     if (words.noWindow && watched)
-        return reportError({Fault::input, "--no-window draws a number of frames; name it with --frames"});
+        return reportError(
+            {Fault::input, "--no-window draws a number of frames; name it with --frames, or one with --screenshot"});
     const auto opened = openView(words.state, words.pictures, !words.noWindow);
     if (!opened) return reportError(opened.error());
     Viewer& view = **opened;
@@ -144,10 +150,9 @@ void addWords(CLI::App& program, Words& words) {
         ->check(numberFrom(1u, 1'000'000u));
     program.add_option("--clip", state.clip, "name of the animation, or none (default: the first)");
     program.add_option("--time", state.seconds, "seconds into the animation")->check(numberFrom(0.0, 1e6));
-    program.add_option(
-        "--settings", words.settings,
-        "JSON file of settings, read at the start and written at the end, instead of skinbench/view.json in your "
-        "settings folder");
+    program.add_option("--settings", words.settings,
+                       "JSON file of settings, read at the start, if it is there, and written at the end, instead of "
+                       "skinbench/view.json in your settings folder");
     program
         .add_option("--frames", words.frames,
                     "draw this many frames, a sixtieth of a second apart, print how long they took, and end")
@@ -155,7 +160,7 @@ void addWords(CLI::App& program, Words& words) {
     program.add_option("--screenshot", words.screenshot,
                        "PNG file for the window's last frame, or for its first one without --frames");
     program.add_flag("--no-window", words.noWindow,
-                     "with --frames: draw only the pictures, each of --size, without a display");
+                     "with --frames or --screenshot: draw only the pictures, each of --size, without a display");
     program.add_option("--device", words.pictures.device,
                        "number, part of the name, UUID or PCI address, as probe shows them");
     program.add_flag("--validation", words.pictures.validation,

@@ -389,14 +389,17 @@ TEST_CASE("the program draws, writes and keeps its settings; what is missing is 
     CHECK(drawn.status == 0);
     CHECK(drawn.out.starts_with("two pictures of "));
     CHECK_THAT(drawn.out, ContainsSubstring(", then 1 more in "));
-    const Outcome alone =
-        run({"builtin:robot:2000", "--size", "64x48", "--frames", "2", "--no-window", "--screenshot", "two.png"},
-            {"DISPLAY="});
+    const Outcome alone = run({"builtin:robot:2000", "--size", "64x48", "--frames", "2", "--no-window", "--screenshot",
+                               "two.png", "--settings", "new/view.json"},
+                              {"DISPLAY="});
     INFO(alone.err);
     CHECK(alone.status == 0);
     CHECK_THAT(alone.out, ContainsSubstring("of 64 x 48"));
     CHECK(readPng(pathOf("two.png")).width == 128);
     CHECK(readPng(pathOf("window.png")).width == 320);
+    const auto begun = readSettings({}, readWholeFile(pathOf("new/view.json")).value_or(""));
+    REQUIRE(begun);
+    CHECK(begun->width == 64);
     const auto kept = readSettings({}, readWholeFile(pathOf("view.json")).value_or(""));
     REQUIRE(kept);
     CHECK(kept->copies == 3);
@@ -408,7 +411,9 @@ TEST_CASE("the program draws, writes and keeps its settings; what is missing is 
         {{"--no-window"}, {}, 2, "name it with --frames"},
         {{"missing.glb", "--frames", "1", "--no-window"}, noDrivers, 2, "missing.glb: there is no such file"},
         {{"--case", "vk/mesh/uc"}, {}, 2, "mesh does not exist on route vk"},
-        {{"--settings", "none.json"}, {}, 2, "none.json: No such file or directory"},
+        {{"--settings", fixture::writeText("odd.json", "{}")}, {}, 2, "odd.json: no settings of skinview"},
+        {{"--settings", "odd.json/view.json"}, {}, 2, "odd.json/view.json: "},
+        {{"--settings", ""}, {}, 2, "--settings: the value is empty; see skinview --help"},
         {{"--mode", "odd"}, {}, 2, "--mode: no 'odd'; there is panes, wipe, one, difference; see skinview --help"},
         {{"--screenshot", "x.jpg"}, {}, 2, "x.jpg"},
     };
