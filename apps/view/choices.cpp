@@ -30,6 +30,22 @@ void choose(ViewState& state, const Axis& axis, const std::string& word) {
     own = *then;
 }
 
+std::string linkText(const ViewState& state) {
+    const auto& [a, b] = state.cases;
+    if (!state.linked || !a.route || !b.route) return {};
+    std::string differing;
+    for (const Axis& axis : axes())
+        if (axis.name != "route" && axis.applies(a) && axis.applies(b) && axis.get(a) != axis.get(b))
+            differing +=
+                std::format("{}{} ({}, {})", differing.empty() ? "" : ", ", axis.name, axis.get(a), axis.get(b));
+    if (differing.empty()) return {};
+    std::string why;
+    for (const auto& [own, other] : {std::pair(&a, &b), {&b, &a}})
+        if (!runsOn(*own->variant, *other->route))
+            why += std::format("{}{} has no {}", why.empty() ? ": " : ", ", other->route->name, own->variant->name);
+    return "linked, but A and B differ in " + differing + why;
+}
+
 void chooseNext(ViewState& state, const Backends& backends, std::string_view name, int step) {
     const Axis& axis = *findAxis(name);
     const Case& c = state.cases[state.active];

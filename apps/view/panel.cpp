@@ -68,6 +68,7 @@ void drawCase(Viewer& view) {
     ImGui::Checkbox("linked", &state.linked);
     ImGui::SameLine();
     button(view, "swap", "X");
+    if (const std::string differing = linkText(state); !differing.empty()) text(differing);
     const auto draw = [&](bool first) {
         for (const Axis* axis : controlsOf(state.cases[state.active]))
             if (first == (axis->inPath || axis->name == "raster" || axis->name == "view")) drawControl(view, *axis);

@@ -62,6 +62,10 @@ Result<Case> chosen(const Case& c, const Axis& axis, const std::string& word);
 // Makes the choice for the active case; with ViewState::linked the other one follows where it can.
 void choose(ViewState& state, const Axis& axis, const std::string& word);
 
+// Where the two are linked and still differ in an axis that both have: in which, and why where a route lacks the other
+// one's variant. Else empty.
+std::string linkText(const ViewState& state);
+
 // The next or previous value of an axis that a backend can draw.
 void chooseNext(ViewState& state, const Backends& backends, std::string_view axis, int step);
 

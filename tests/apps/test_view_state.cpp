@@ -197,9 +197,12 @@ TEST_CASE("what is chosen holds for both cases where they are linked, but for th
     choose(state, *findAxis("variant"), "mesh-ci");
     CHECK(caseId(state.cases[0]) == "vk-ext/mesh-ci/uc/meshopt/redirect");
     CHECK(caseId(state.cases[1]) == "gl-ext/mesh-ci/uc/meshopt/redirect");
+    CHECK(linkText(state) == "");
     choose(state, *findAxis("route"), "vk");
     CHECK(caseId(state.cases[0]) == "vk/vertex/uc");
     CHECK(caseId(state.cases[1]) == "gl-ext/mesh-ci/uc/meshopt/redirect");
+    CHECK(linkText(state) ==
+          "linked, but A and B differ in variant (vertex, mesh-ci): gl-ext has no vertex, vk has no mesh-ci");
     // A variant that the route lacks leads to one of the API that has it; what the other case lacks changes this one
     // alone.
     choose(state, *findAxis("variant"), "palette");
@@ -213,6 +216,7 @@ TEST_CASE("what is chosen holds for both cases where they are linked, but for th
     state.active = 1;
     choose(state, *findAxis("codec"), "pc");
     state.active = 0;
+    CHECK(linkText(state) == "");
     CHECK(state.cases[0].codec->name == std::string("uc"));
     choose(state, *findAxis("route"), "vk");
     choose(state, *findAxis("variant"), "compute");
