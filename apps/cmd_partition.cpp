@@ -27,7 +27,6 @@ Result<Request> lookUp(const PartitionOptions& options) {
     SKINBENCH_TRY(solver);
     auto order = chosenRows(groupOrders(), {options.order}, "order");
     SKINBENCH_TRY(order);
-    if (options.influences != 4 && options.influences != 8) return inputError("influences must be 4 or 8");
     Request request{*hardware->front(), solver->front(), order->front()};
     if (options.slots > 0) {
         if (options.hardware != "generic")

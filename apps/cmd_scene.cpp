@@ -24,8 +24,8 @@ int runSceneList(bool json) {
 }
 
 int runSceneExport(const std::string& name, const std::string& out) {
-    auto scene = loadScene(
-        name.find(':') == std::string::npos && name.find('.') == std::string::npos ? "builtin:" + name : name);
+    const bool bare = !name.empty() && !name.contains(':') && !name.contains('.');
+    auto scene = loadScene(bare ? "builtin:" + name : name);
     if (!scene) return reportError(scene.error());
     for (const std::string& warning : scene->warnings) warn(scene->name + ": " + warning);
     if (auto possible = checkOutput(out, {&name, 1}); !possible) return reportError(possible.error());

@@ -88,6 +88,7 @@ std::string unknownText(const CLI::App& command, const std::string& word) {
         words.clear();
         for (const CLI::App* inner : command.get_subcommands({})) words.push_back(inner->get_name());
         if (words.empty()) return std::format("'{}' is one word too many", word);
+        if (word == "view") return "the window is the program skinview beside this one, ./run view in a clone";
     }
     const std::string nearest = nearestWord(word.substr(0, word.find('=')), words);
     std::string there;
@@ -95,6 +96,18 @@ std::string unknownText(const CLI::App& command, const std::string& word) {
         for (const std::string& other : words) there += (there.empty() ? "; there is " : ", ") + other;
     return std::format("no {} {}{}", option ? "option" : "subcommand", option ? word : "'" + word + "'",
                        nearest.empty() ? there : "; did you mean " + nearest + "?");
+}
+
+// What CLI11 says of options and arguments that are missing or too many, in the words of the synopsis.
+std::string countText(const CLI::App& command, const std::string& text) {
+    for (const CLI::Option* option : command.get_options()) {
+        const std::string name = isPositional(*option) ? upper(option->get_name()) : option->get_name();
+        if (text == option->get_name() + " is required")
+            return name + (option->get_items_expected_max() > 1 ? " are required" : " is required");
+        if (text.starts_with(option->get_name() + ":") && option->count() > 1)
+            return name + " is given " + (option->count() == 2 ? "twice" : std::to_string(option->count()) + " times");
+    }
+    return text.contains(':') ? text.substr(0, text.find(':')) + " needs a value" : text;
 }
 
 std::string usageText(const CLI::App& program, const CLI::ParseError& error) {
@@ -106,8 +119,8 @@ std::string usageText(const CLI::App& program, const CLI::ParseError& error) {
                        error.get_exit_code() == static_cast<int>(CLI::ExitCodes::RequiredError);
     if (extra && !unknown.empty())
         text = unknownText(command, unknown.front());
-    else if (error.get_exit_code() == static_cast<int>(CLI::ExitCodes::ArgumentMismatch))
-        text = text.substr(0, text.find(':')) + " needs a value";
+    else if (extra || error.get_exit_code() == static_cast<int>(CLI::ExitCodes::ArgumentMismatch))
+        text = countText(command, text);
     std::ranges::replace(text, '\n', ' ');
     return text + (text.ends_with("?") ? " See " : "; see ") + callOf(command) + " --help";
 }
@@ -119,6 +132,35 @@ void openStandardStreams() {
         if (fcntl(stream, F_GETFD) < 0) open("/dev/null", O_RDONLY);
 }
 
+// Before anything else is asked of a value. A word that is an option of the command was meant as one.
+void checkValues(CLI::App& command) {
+    const auto fault = [&command](const std::string& value) -> std::string {
+        if (value.empty()) return kEmptyValue;
+        const bool option = value.starts_with("-") && command.get_option_no_throw(value);
+        return option ? "a value is missing before " + value : "";
+    };
+    for (CLI::Option* option : command.get_options())
+        if (!isPositional(*option) && option->get_items_expected_max() > 0)
+            option->transform(CLI::Validator([fault](std::string& value) { return fault(value); }, ""));
+    for (CLI::App* inner : command.get_subcommands({})) checkValues(*inner);
+}
+
+// The words, the last one first. CLI11 would take the next word for the value of "--out=", and a list of nothing but
+// commas for one that was not given.
+std::vector<std::string> parsedWords(int argc, char** argv) {
+    const auto isEmpty = [](const std::string& value) { return value.find_first_not_of(',') == std::string::npos; };
+    std::vector<std::string> words;
+    for (int i = 1; i < argc; ++i) {
+        const std::string word = argv[i];
+        const size_t equals = word.starts_with("--") ? word.find('=') : std::string::npos;
+        const bool nothing = equals != std::string::npos && isEmpty(word.substr(equals + 1));
+        words.push_back(isEmpty(word) ? "" : nothing ? word.substr(0, equals) : word);
+        if (nothing) words.push_back("");
+    }
+    std::ranges::reverse(words);
+    return words;
+}
+
 }  // namespace
 
 void writeManual(CLI::App& program) {
@@ -127,8 +169,9 @@ void writeManual(CLI::App& program) {
 }
 
 std::optional<int> parseWords(CLI::App& program, int argc, char** argv) {
+    checkValues(program);
     try {
-        program.parse(argc, argv);
+        program.parse(parsedWords(argc, argv));
     } catch (const CLI::ParseError& error) {
         if (error.get_exit_code() != 0) return reportError({Fault::input, usageText(program, error)});
         program.exit(error);

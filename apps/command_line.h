@@ -47,12 +47,16 @@ inline CLI::Validator oneOf(const std::vector<std::string>& words) {
         "");
 }
 
+// Behind the name of an option that was given "".
+inline constexpr const char* kEmptyValue = "the value is empty";
+
 // Makes `--help` a page of a manual, of the program and of subcommands that are added later: name, synopsis, a
 // paragraph for each option by its group, commands, and the footer as it is. Of several long names of an option the
 // page has the first; options of a group without a name are not on it.
 void writeManual(CLI::App& program);
 
-// The exit status where the words end the program: help, version, or one line about what is wrong.
+// The exit status where the words end the program: help, version, or one line about what is wrong. No option takes an
+// empty value, one of its own names or another one's.
 std::optional<int> parseWords(CLI::App& program, int argc, char** argv);
 
 // The word as a shell takes it.

@@ -121,7 +121,9 @@ void addSelectors(CLI::App& command, Selectors& s) {
         ->check(oneOf({"kept", "fresh"}));
     command.add_option("--size", s.size, "WIDTHxHEIGHT of the image")->capture_default_str();
     command.add_option("--preset", s.preset, presetWords() + ": the table below (default: by device)");
-    command.add_option("--seed", s.seed, "seed of the order of cases")->capture_default_str();
+    command.add_option("--seed", s.seed, "seed of the order of cases")
+        ->check(numberFrom(0u, UINT32_MAX))
+        ->capture_default_str();
     command.add_option("--device", s.device, std::string(kDeviceHelp) + ", or all: one after the other");
     command.add_flag("--validation", s.validation,
                      "turn on validation layers and debug output; a message fails its case");
@@ -139,11 +141,13 @@ void addProbe(CLI::App& program, int& status) {
         ->add_option_function<std::string>(
             "--measure",
             [options](const std::string& scene) {
+                if (scene.empty()) throw CLI::ValidationError("--measure", kEmptyValue);
                 options->measure = true;
-                if (!scene.empty()) options->scene = scene;
+                options->scene = scene;
             },
-            "verify and time what auto chooses from, which takes some seconds, on this scene (default: builtin:biped)")
-        ->expected(0, 1);
+            "verify and time what auto chooses from, which takes some seconds, on this scene")
+        ->expected(0, 1)
+        ->default_str(options->scene);
     command->add_flag("--json", options->json, "print JSON");
     command->callback([options, &status] { status = runProbe(*options); });
 }
@@ -280,7 +284,7 @@ void addPartition(CLI::App& program, int& status) {
     command->add_option("--solver", options->solver, tableNames(partitionSolvers()))->capture_default_str();
     command->add_option("--order", options->order, "order of the groups: " + tableNames(groupOrders()))
         ->capture_default_str();
-    command->add_option("--influences", options->influences, "4 or 8")->capture_default_str();
+    command->add_option("--influences", options->influences, "4 or 8")->check(oneOf({"4", "8"}))->capture_default_str();
     command->add_flag("--json", options->json, "print JSON with the command list");
     command->callback([options, &status] { status = runPartition(*options); });
 }

@@ -24,7 +24,7 @@ std::string terminalText(std::string_view text, size_t most);
 // longer word stays whole, and with width 0 the line does.
 std::string wrapText(std::string_view line, size_t width, size_t indent = 0);
 
-inline constexpr size_t kLongestMessage = 400;  // characters of one line on standard error
+inline constexpr size_t kLongestMessage = 600;  // characters of one line on standard error
 
 // One field as RFC 4180 quotes it. A spreadsheet takes what begins with = + - @, a tab or a carriage return for a
 // formula: such text gets an apostrophe in front, unless it is a number.

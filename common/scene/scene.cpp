@@ -254,6 +254,7 @@ Result<Scene> loadBuiltin(const std::string& name) {
 }  // namespace
 
 Result<Scene> loadScene(const std::string& name) {
+    if (name.empty()) return inputError("the name of an input file is empty");
     return name.starts_with("builtin:") ? loadBuiltin(name) : loadGltf(name);
 }
 

@@ -284,7 +284,7 @@ TEST_CASE("inspect refuses bad input with one line") {
         {{"builtin:robot:2500", "--influences", "5"}, "there is 4, 8"},
         {{"builtin:robot:2500", "--ci-key", "union"}, "union"},
         {{"builtin:robot:2500", "--ci-min", "-1"}, "ci-min"},
-        {{}, "scene"}};
+        {{}, "SCENE is required"}};
     for (const auto& [words, part] : calls) {
         program::Words line = {"inspect"};
         line.insert(line.end(), words.begin(), words.end());

@@ -69,6 +69,9 @@ TEST_CASE("bench writes what it prints, and report makes a page of it") {
     const Outcome pairs = call({"compare", "run/deep", "--pair", "variant", "--json"});
     CHECK(pairs.status == 0);
     CHECK(json::parse(pairs.out, nullptr, false)["paired_by"] == json{"variant"});
+    const Outcome odd = call({"compare", "run/deep", "--pair", "shoe"});
+    CHECK(odd.status == 2);
+    for (const json& axis : printed["axes"]) CHECK_THAT(odd.err, ContainsSubstring(axis["name"].get<std::string>()));
     json broken = printed;
     for (json& row : broken["cases"])
         if (row["route"] == "cpu") row["status"] = "failed", row["reason"] = "wrong";
@@ -193,10 +196,10 @@ TEST_CASE("a crash is one line that names what was done and where its results ar
 
 TEST_CASE("rounds that the frames are too few for are not left out in silence") {
     const Words few = {"bench", "builtin:robot:2000", "--routes", "cpu",   "--copies", "1", "--frames",
-                       "3",     "--rounds",           "8",        "--out", ""};
-    CHECK(call(few).err == "skinbench: warning: --rounds 8 share --frames 3, at least one each: 3 rounds\n");
+                       "3",     "--rounds",           "8",        "--out", "few"};
+    CHECK(call(few).err.starts_with("skinbench: warning: --rounds 8 share --frames 3, at least one each: 3 rounds\n"));
     const json many = json::parse(call({"bench", "builtin:robot:2000", "--routes", "cpu", "--copies", "1", "--rounds",
-                                        "40", "--out", "", "--json"})
+                                        "40", "--out", "few", "--json"})
                                       .out,
                                   nullptr, false);
     CHECK(many["settings"]["rounds"] == 40);
