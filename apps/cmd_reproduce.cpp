@@ -216,7 +216,9 @@ int runReproduce(const ReproduceOptions& options) {
     auto runs = plannedRuns(*thesis, selectors);
     if (!runs) return reportError(runs.error());
 
-    std::vector<std::string> names = options.scenes;
+    std::vector<std::string> names;
+    for (const std::string& name : options.scenes)
+        if (!std::ranges::contains(names, name)) names.push_back(name);
     if (names.empty()) names = {"builtin:biped", "builtin:robot", "builtin:creature"};
     std::vector<Workload> workloads;
     for (const std::string& name : names) {

@@ -325,7 +325,9 @@ TEST_CASE("names from files are no markup") {
 TEST_CASE("reproduce as a user calls it") {
     const program::Words small = {"--size", "64x64", "--frames", "2", "--rounds", "1"};
     for (const std::string thesis : {"torabi", "kimmersdorfer"}) {
-        program::Words words = {"reproduce", thesis, "builtin:robot:2000", "--routes", "vk,vk-ext", "--out", thesis};
+        program::Words words = {
+            "reproduce", thesis, "builtin:robot:2000", "builtin:robot:2000", "--routes", "vk,vk-ext",
+            "--out",     thesis};  // equal scenes are one
         words.insert(words.end(), small.begin(), small.end());
         const program::Outcome outcome = program::call(words);
         INFO(outcome.err);
