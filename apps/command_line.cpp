@@ -81,6 +81,8 @@ std::string manualPage(const CLI::App* command, std::string, CLI::AppFormatMode)
 // The text of a word that the command does not know.
 std::string unknownText(const CLI::App& command, const std::string& word) {
     const bool option = word.starts_with("-");
+    const std::string name = word.substr(0, word.find('='));
+    if (option && command.get_option_no_throw(name)) return std::format("{} goes behind {}", name, command.get_name());
     std::vector<std::string> words;
     for (const CLI::Option* known : command.get_options())
         for (const std::string& name : known->get_lnames()) words.push_back("--" + name);
@@ -90,7 +92,7 @@ std::string unknownText(const CLI::App& command, const std::string& word) {
         if (words.empty()) return std::format("'{}' is one word too many", word);
         if (word == "view") return "the window is the program skinview beside this one, ./run view in a clone";
     }
-    const std::string nearest = nearestWord(word.substr(0, word.find('=')), words);
+    const std::string nearest = nearestWord(name, words);
     std::string there;
     if (!option)
         for (const std::string& other : words) there += (there.empty() ? "; there is " : ", ") + other;
@@ -107,6 +109,8 @@ std::string countText(const CLI::App& command, const std::string& text) {
         if (text.starts_with(option->get_name() + ":") && option->count() > 1)
             return name + " is given " + (option->count() == 2 ? "twice" : std::to_string(option->count()) + " times");
     }
+    if (const size_t end = text.find(" was given a disallowed"); end != std::string::npos)
+        return "--" + text.substr(0, end) + " takes no value";
     return text.contains(':') ? text.substr(0, text.find(':')) + " needs a value" : text;
 }
 
@@ -139,9 +143,13 @@ void checkValues(CLI::App& command) {
         const bool option = value.starts_with("-") && command.get_option_no_throw(value);
         return option ? "a value is missing before " + value : "";
     };
-    for (CLI::Option* option : command.get_options())
-        if (!isPositional(*option) && option->get_items_expected_max() > 0)
+    for (CLI::Option* option : command.get_options()) {
+        if (isPositional(*option)) continue;
+        if (option->get_items_expected_max() == 0)
+            option->disable_flag_override();
+        else
             option->transform(CLI::Validator([fault](std::string& value) { return fault(value); }, ""));
+    }
     for (CLI::App* inner : command.get_subcommands({})) checkValues(*inner);
 }
 
