@@ -127,6 +127,15 @@ struct Wanted {
     WorkloadSettings settings;
 };
 
+// A file has all pictures side by side.
+Result<void> checkFits(const RenderOptions& options, const Wanted& wanted) {
+    const uint64_t pictures = wanted.cases.size() + options.difference;
+    const uint64_t width = pictures * wanted.settings.width, height = wanted.settings.height;
+    const bool webp = options.animate && options.out.ends_with(".webp");
+    const auto fits = webp ? checkWebpSize(width, height) : checkPngSize(width, height);
+    return fits ? fits : errorAt(options.out, fits.error());
+}
+
 Result<Wanted> wantedPictures(RenderOptions& options) {
     if (options.selectors.copies == 0) options.selectors.copies = 1;
     auto settings = workloadSettings(options.selectors, false);
@@ -136,7 +145,9 @@ Result<Wanted> wantedPictures(RenderOptions& options) {
     if (options.difference && cases->size() != 2)
         return inputError(std::format("--difference compares two cases, not {}", cases->size()));
     settings->yaw = settings->copies == 1 ? options.yaw : 0;
-    return Wanted{std::move(*cases), std::move(*settings)};
+    Wanted wanted{std::move(*cases), std::move(*settings)};
+    SKINBENCH_TRY(checkFits(options, wanted));
+    return wanted;
 }
 
 // What is wrong about a picture that was verified, and what its colours mean.

@@ -1,8 +1,21 @@
 #include "common/frame/animation.h"
 
+#include <algorithm>
+#include <format>
 #include <string_view>
 
 #include "common/core/file.h"
+
+namespace skinbench {
+
+Result<void> checkWebpSize(uint64_t width, uint64_t height) {
+    constexpr uint64_t kMostPixels = 16383;  // each way
+    if (std::max(width, height) <= kMostPixels) return {};
+    return inputError(std::format("a picture of {}x{} is too large for a WebP file; the largest is {}x{}", width,
+                                  height, kMostPixels, kMostPixels));
+}
+
+}  // namespace skinbench
 
 #ifdef SKINBENCH_WEBP
 
@@ -20,6 +33,8 @@ struct Animation::State {
     WebPAnimEncoder* encoder = nullptr;
     ~State() { WebPAnimEncoderDelete(encoder); }
 };
+
+static std::string whyNot(WebPAnimEncoder* encoder) { return encoder ? WebPAnimEncoderGetError(encoder) : "no memory"; }
 
 Animation::Animation(uint32_t width, uint32_t height, int quality) : state_(new State{width, height, quality}) {
     WebPAnimEncoderOptions options;
@@ -44,8 +59,7 @@ Result<void> Animation::add(const Image& image, int milliseconds) {
                        WebPPictureImportRGBX(&picture, image.rgba.data(), static_cast<int>(image.width * 4)) &&
                        WebPAnimEncoderAdd(state_->encoder, &picture, state_->time, &config);
     WebPPictureFree(&picture);
-    if (!added)
-        return inputError("a frame could not be encoded as WebP; pictures of 16383 pixels each way are the largest");
+    if (!added) return deviceError(std::format("a frame could not be encoded as WebP: {}", whyNot(state_->encoder)));
     state_->time += milliseconds;
     return {};
 }
@@ -56,7 +70,8 @@ Result<void> Animation::save(const std::string& path) {
     const bool whole = WebPAnimEncoderAdd(state_->encoder, nullptr, state_->time, nullptr) &&
                        WebPAnimEncoderAssemble(state_->encoder, &data);
     auto written = whole ? writeWholeFile(path, {reinterpret_cast<const char*>(data.bytes), data.size})
-                         : Result<void>(inputError(path + ": the frames could not be put together"));
+                         : Result<void>(deviceError(std::format("{}: the frames could not be put together: {}", path,
+                                                                whyNot(state_->encoder))));
     WebPDataClear(&data);
     return written;
 }

@@ -11,7 +11,11 @@ namespace skinbench {
 // Whether this build can write them.
 bool hasAnimations();
 
-// Frames of one size, one after the other, shown for ever. Colours lose a little; `quality` from 0 to 100.
+// Whether a WebP file takes pictures of that size: 16383 pixels each way at the most. An error names both sizes.
+Result<void> checkWebpSize(uint64_t width, uint64_t height);
+
+// Frames of one size that checkWebpSize lets pass, one after the other, shown for ever. Colours lose a little;
+// `quality` from 0 to 100.
 class Animation {
 public:
     Animation(uint32_t width, uint32_t height, int quality);

@@ -3,6 +3,16 @@
 #include <algorithm>
 #include <cstdlib>
 #include <cstring>
+#include <format>
+#include <new>
+
+// stb writes on where it gets no memory.
+namespace {
+void* orThrow(void* memory) { return memory ? memory : throw std::bad_alloc(); }
+}  // namespace
+#define STBIW_MALLOC(bytes) orThrow(std::malloc(bytes))
+#define STBIW_REALLOC(memory, bytes) orThrow(std::realloc(memory, bytes))
+#define STBIW_FREE(memory) std::free(memory)
 
 #define STB_IMAGE_WRITE_STATIC
 #define STB_IMAGE_WRITE_IMPLEMENTATION
@@ -16,14 +26,27 @@
 
 namespace skinbench {
 
+// stb counts in 32-bit ints. Its largest is the room for what it packs, which grows to 3 * 2^k - 1 bytes: 2^28 pixels
+// are up to 5 * 2^28 bytes with a filter's byte in front of each row, and each byte packs into 9 bits at the most, less
+// than 3 * 2^29 in all. The sum of the bytes of a row is the other one: 2^20 pixels times 4 times 128.
+Result<void> checkPngSize(uint64_t width, uint64_t height) {
+    constexpr uint64_t kMostPixels = uint64_t{1} << 28, kWidest = uint64_t{1} << 20;
+    if (width <= kWidest && height <= kMostPixels / std::max<uint64_t>(width, 1)) return {};
+    return inputError(
+        std::format("a picture of {}x{} is too large for a PNG file; the largest is 16384x16384, or as "
+                    "many pixels ({}) in another shape",
+                    width, height, kMostPixels));
+}
+
 Result<void> savePng(const Image& image, const std::string& path) {
+    if (const auto fits = checkPngSize(image.width, image.height); !fits) return errorAt(path, fits.error());
     std::string bytes;
     auto append = [](void* to, void* data, int size) {
         static_cast<std::string*>(to)->append(static_cast<const char*>(data), static_cast<size_t>(size));
     };
     if (!stbi_write_png_to_func(append, &bytes, static_cast<int>(image.width), static_cast<int>(image.height), 4,
                                 image.rgba.data(), static_cast<int>(image.width * 4)))
-        return inputError(path + ": the image could not be encoded");
+        return deviceError(path + ": the image could not be encoded");
     return writeWholeFile(path, bytes);
 }
 

@@ -7,6 +7,11 @@
 
 namespace skinbench {
 
+// Whether a PNG file takes a picture of that size: 2^28 pixels, as 16384x16384 has, and 2^20 in a row at the most. An
+// error names both sizes.
+Result<void> checkPngSize(uint64_t width, uint64_t height);
+
+// Fails where checkPngSize does.
 Result<void> savePng(const Image& image, const std::string& path);
 
 // Images of one height from left to right; a single one as it is.

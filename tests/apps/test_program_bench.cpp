@@ -460,6 +460,9 @@ TEST_CASE("render draws a clip as files, one after the other, or as one file, wi
     size_t shown = 0;
     for (size_t at = bytes->find("ANMF"); at != std::string::npos; at = bytes->find("ANMF", at + 4)) ++shown;
     CHECK(shown == 3);
+    checkRefused(call({"render", "builtin:robot:2000", "--route", "vk", "--size", "8192x16", "--codec", "uc,pc",
+                       "--difference", "--animate", "3", "-o", "wide.webp"}),
+                 2, "wide.webp: a picture of 24576x16 is too large for a WebP file; the largest is 16383x16383");
     checkRefused(
         call({"render", "builtin:robot:2000", "--difference", "--route", "vk", "--variant", "vertex", "-o", "x.png"}),
         2, "--difference compares two cases, not 1");

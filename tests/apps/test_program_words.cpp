@@ -281,6 +281,14 @@ TEST_CASE("bad numbers") {
         {{"render", "builtin:robot:2000", "--yaw", "361", "-o", "x.png"}, 2, "--yaw"},
         {{"render", "builtin:robot:2000", "--copies", "0", "-o", "x.png"}, 2, "--copies"},
         {{"render", "builtin:robot:2000", "--size", "x", "-o", "x.png"}, 2, "size"},
+        {{"render", "builtin:robot:2000", "--route", "vk", "--method", "lbs,dqs", "--size", "16384x16384", "-o",
+          "x.png"},
+         2,
+         "x.png: a picture of 32768x16384 is too large for a PNG file; the largest is 16384x16384"},
+        {{"render", "builtin:robot:2000", "--route", "vk", "--method", "lbs,dqs", "--difference", "--size",
+          "16384x16384", "--animate", "2", "-o", "x.png.d"},
+         2,
+         "a picture of 49152x16384 is too large"},
         {{"render", "builtin:robot:2000", "--influences", "3", "--route", "vk", "-o", "x.png"}, 2, "influences"},
     });
     CHECK(!fs::exists(pathOf("x.png")));

@@ -1,8 +1,10 @@
 // PNG files decoded by another library, the comparison of two routes, and how much of an image was drawn.
 #include <cstring>
 #include <filesystem>
+#include <format>
 
 #include <catch2/catch_test_macros.hpp>
+#include <catch2/matchers/catch_matchers_string.hpp>
 
 #define STB_IMAGE_STATIC
 #define STB_IMAGE_IMPLEMENTATION
@@ -14,10 +16,12 @@
 #pragma GCC diagnostic pop
 
 #include "common/core/file.h"
+#include "common/frame/animation.h"
 #include "common/frame/image.h"
 #include "tests/scene/gltf_fixture.h"
 
 using namespace skinbench;
+using Catch::Matchers::ContainsSubstring;
 
 namespace {
 
@@ -105,6 +109,35 @@ TEST_CASE("an image that cannot be saved is an error with the path") {
     const auto saved = savePng(plain(2, 2, {1, 1, 1, 1}), below);
     REQUIRE(!saved);
     CHECK(saved.error().text.starts_with(below + ": "));
+}
+
+TEST_CASE("a picture that a file cannot hold is refused by its size, before there is any") {
+    constexpr uint64_t kSide = 16384, kWidest = uint64_t{1} << 20, kMost = uint64_t{1} << 28;
+    for (auto [width, height] : {std::pair<uint64_t, uint64_t>{1, 1}, {kSide, kSide}, {1, kMost}, {kWidest, 256}}) {
+        INFO(width << "x" << height);
+        CHECK(checkPngSize(width, height));
+        // As an encoder with 32-bit ints counts: a row with its filter, all rows packed, the sum over a row.
+        CHECK((width * 4 + 1) * height / 8 * 9 < uint64_t{3} << 29);
+        CHECK(width * 4 * 128 < uint64_t{1} << 31);
+    }
+    for (auto [width, height] : {std::pair<uint64_t, uint64_t>{2 * kSide, kSide},
+                                 {kSide, kSide + 1},
+                                 {kWidest + 1, 1},
+                                 {1, kMost + 1},
+                                 {UINT64_MAX, UINT64_MAX}}) {
+        const auto fits = checkPngSize(width, height);
+        REQUIRE(!fits);
+        CHECK(fits.error().fault == Fault::input);
+        CHECK(fits.error().text.starts_with(
+            std::format("a picture of {}x{} is too large for a PNG file", width, height)));
+        CHECK_THAT(fits.error().text, ContainsSubstring("the largest is 16384x16384"));
+    }
+    CHECK(savePng({2 * kSide, kSide, {}}, "unwritten.png").error().text.starts_with("unwritten.png: a picture of "));
+    CHECK(checkWebpSize(16383, 16383));
+    for (auto [width, height] : {std::pair<uint64_t, uint64_t>{16384, 1}, {1, 16384}, {UINT64_MAX, 1}})
+        CHECK(
+            checkWebpSize(width, height).error().text ==
+            std::format("a picture of {}x{} is too large for a WebP file; the largest is 16383x16383", width, height));
 }
 
 TEST_CASE("images stand side by side, row by row") {
