@@ -171,7 +171,8 @@ Result<std::unique_ptr<Plan>> makePlanObjects(Device& device, VkPipelineCache ca
     // Text before bytes: a shader that does not compile is said at once, not after a long upload.
     for (const Program& program : source.programs)
         for (const ShaderText& shader : program.stages)
-            if (auto compiled = compileGlsl(shader); !compiled) return errorAt(source.label, compiled.error());
+            if (auto compiled = compileGlsl(shader, device.caps); !compiled)
+                return errorAt(source.label, compiled.error());
     SKINBENCH_TRY(makeStreams(*plan, source));
     SKINBENCH_TRY(makeDescriptors(*plan, source));
     SKINBENCH_TRY(makePipelines(*plan, cache, source));

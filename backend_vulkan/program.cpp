@@ -6,6 +6,7 @@
 
 #include <algorithm>
 #include <array>
+#include <climits>
 #include <format>
 #include <unordered_map>
 
@@ -31,7 +32,26 @@ constexpr std::array<StageNames, 5> kStages = {{{EShLangVertex, VK_SHADER_STAGE_
 constexpr std::array kFormats = {VK_FORMAT_R32G32_SFLOAT, VK_FORMAT_R32G32B32_SFLOAT, VK_FORMAT_R32G32B32A32_SFLOAT,
                                  VK_FORMAT_R32G32B32A32_UINT};
 
-Result<Spirv> compileNow(const ShaderText& source) {
+// What a shader may declare: of work groups and meshlets as much as the device allows, as unsupported() does. Task
+// stages and all the rest keep to glslang's own limits, which every device has.
+TBuiltInResource resourcesOf(const DeviceCaps& caps) {
+    TBuiltInResource resources = *GetDefaultResources();
+    auto set = [](int& limit, uint32_t ofDevice) { limit = static_cast<int>(std::min<uint32_t>(ofDevice, INT_MAX)); };
+    set(resources.maxComputeWorkGroupSizeX, caps.maxComputeGroupSize);
+    if (caps.ext.available) {
+        set(resources.maxMeshWorkGroupSizeX_EXT, caps.ext.maxGroupSize);
+        set(resources.maxMeshOutputVerticesEXT, caps.ext.maxVertices);
+        set(resources.maxMeshOutputPrimitivesEXT, caps.ext.maxTriangles);
+    }
+    if (caps.nv.available) {
+        set(resources.maxMeshWorkGroupSizeX_NV, caps.nv.maxGroupSize);
+        set(resources.maxMeshOutputVerticesNV, caps.nv.maxVertices);
+        set(resources.maxMeshOutputPrimitivesNV, caps.nv.maxTriangles);
+    }
+    return resources;
+}
+
+Result<Spirv> compileNow(const ShaderText& source, const DeviceCaps& caps) {
     const EShLanguage language = kStages[static_cast<size_t>(source.stage)].language;
     auto failed = [&](const char* log) {
         return deviceError(std::format("{}: {} shader does not compile: {}", source.name, stageName(source.stage),
@@ -45,7 +65,8 @@ Result<Spirv> compileNow(const ShaderText& source) {
     shader.setEnvClient(glslang::EShClientVulkan, glslang::EShTargetVulkan_1_3);
     shader.setEnvTarget(glslang::EShTargetSpv, glslang::EShTargetSpv_1_6);
     const auto messages = static_cast<EShMessages>(EShMsgSpvRules | EShMsgVulkanRules);
-    if (!shader.parse(GetDefaultResources(), 450, false, messages)) return failed(shader.getInfoLog());
+    const TBuiltInResource resources = resourcesOf(caps);
+    if (!shader.parse(&resources, 450, false, messages)) return failed(shader.getInfoLog());
 
     glslang::TProgram program;
     program.addShader(&shader);
@@ -72,7 +93,7 @@ struct Stages {
 
 Result<void> compileStages(Stages& stages, const Program& program) {
     for (const ShaderText& shader : program.stages) {
-        auto words = compileGlsl(shader);
+        auto words = compileGlsl(shader, stages.device.caps);
         SKINBENCH_TRY(words);
         VkShaderModuleCreateInfo info{VK_STRUCTURE_TYPE_SHADER_MODULE_CREATE_INFO};
         info.codeSize = (*words)->size() * sizeof(uint32_t);
@@ -168,7 +189,7 @@ VkResult makeGraphics(Device& device, VkPipelineCache cache, VkPipelineLayout la
 
 }  // namespace
 
-Result<Spirv> compileGlsl(const ShaderText& shader) {
+Result<Spirv> compileGlsl(const ShaderText& shader, const DeviceCaps& caps) {
     static std::mutex mutex;
     static std::unordered_map<std::string, Spirv> compiled;
     static const bool ready = glslang::InitializeProcess();
@@ -176,7 +197,7 @@ Result<Spirv> compileGlsl(const ShaderText& shader) {
     const std::string key = stageName(shader.stage) + ("\n" + shader.text);
     std::lock_guard lock(mutex);
     if (auto found = compiled.find(key); found != compiled.end()) return found->second;
-    auto words = compileNow(shader);
+    auto words = compileNow(shader, caps);
     if (words) compiled.emplace(key, *words);
     return words;
 }

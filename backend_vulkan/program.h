@@ -7,8 +7,9 @@ namespace skinbench::vulkan {
 
 using Spirv = std::shared_ptr<const std::vector<uint32_t>>;
 
-// Kept for the life of the process: the same text is compiled once. The error is glslang's first error line.
-Result<Spirv> compileGlsl(const ShaderText& shader);
+// Kept for the life of the process: a text that compiled is not compiled again, for another device neither. The error
+// is glslang's first error line.
+Result<Spirv> compileGlsl(const ShaderText& shader, const DeviceCaps& caps);
 
 // One pipeline of a program. Graphics pipelines leave rasteriser discard, culling and the depth test to the command
 // buffer, so that every raster mode runs the same compiled shaders.

@@ -275,6 +275,28 @@ TEST_CASE("culling in the mesh stage draws what the rasteriser's culling draws, 
     }
 }
 
+TEST_CASE("work groups and meshlets of mesh stages are right up to what the device allows") {
+    if (!anyDriver()) SKIP("no Vulkan and no OpenGL driver on this machine");
+    Workload workload = modelWorkload("builtin:robot:2000", 2);
+    std::vector<Case> cases;
+    for (const char* route : {"vk-ext", "vk-nv", "gl-ext", "gl-nv"}) {
+        const Case usual = makeCase(route, "mesh");
+        const Backend* backend = openedBackends().at(usual.route->api).backend;
+        if (!backend || unsupported(usual, backend->caps())) continue;
+        const MeshLimitsOfDevice& limits = meshLimits(backend->caps(), usual.route->dialect);
+        for (uint32_t groupSize : {129u, 256u, std::min(limits.maxGroupSize, 1024u)}) {
+            Case large = usual;
+            large.groupSize = groupSize;
+            if (groupSize <= limits.maxGroupSize) cases.push_back(large);
+        }
+        Case most = usual;
+        most.limits = {std::min(limits.maxVertices, 255u), std::min(limits.maxTriangles, 512u)};
+        if (!unsupported(most, backend->caps())) cases.push_back(most);
+    }
+    if (cases.empty()) SKIP("no mesh shaders on this machine");
+    CHECK(requireVerified(workload, cases) == cases.size());
+}
+
 namespace {
 
 // Several rows, so that a far half exists, of even and odd copies.
