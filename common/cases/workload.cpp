@@ -76,7 +76,7 @@ static Result<const MeshletMesh*> meshletsFor(Workload& workload, const Case& c,
     if (!kept) {
         auto built = std::make_unique<MeshletMesh>(c.builder->build(scene.mesh, c.limits));
         if (auto right = checkMeshlets(scene.mesh, *built); !right)
-            return inputError(std::string(c.builder->name) + ": " + right.error().text);
+            return programError(std::string(c.builder->name) + ": " + right.error().text);
         kept = std::move(built);
     }
     return kept.get();
@@ -87,7 +87,7 @@ static Result<Records> partition(const Case& c, const Mesh& mesh) {
     hardware.slots = c.paletteSlots;
     auto plan = partitionMesh(mesh, hardware, *findPartitionSolver("cheapest-insertion"), *findGroupOrder("given"));
     SKINBENCH_TRY(plan);
-    SKINBENCH_TRY(checkPartition(mesh, *plan));
+    if (auto right = checkPartition(mesh, *plan); !right) return programError("partition: " + right.error().text);
     return partitionedRecords(mesh, *plan);
 }
 
@@ -101,7 +101,7 @@ static Result<Records> makeRecords(Workload& workload, const Case& c, const Scen
     const CommonInfluenceCut cut = buildCommonInfluences(
         scene.mesh, {c.builder, c.limits, c.influences, c.ci.grouping, c.ci.key, c.ci.minVertices});
     if (auto right = checkCommonInfluences(scene.mesh, cut); !right)
-        return inputError("common influences: " + right.error().text);
+        return programError("common influences: " + right.error().text);
     const Records records = commonRecords(cut);
     return c.shape.orderedRecords ? orderedRecords(records) : records;
 }

@@ -11,8 +11,9 @@
 namespace skinbench {
 
 enum class Fault {
-    input,   // a file, a flag or a value that the user can change: exit status 2
-    device,  // a driver, a device or the machine (memory, disk) said no: exit status 1
+    input,    // a file, a flag or a value that the user can change: exit status 2
+    device,   // a driver, a device or the machine (memory, disk) said no: exit status 1
+    program,  // a shader, a cut or a plan of the program's own is wrong, and no case may hide it: exit status 1
 };
 
 // One sentence without a final stop that says what, where and what to do, such as
@@ -31,6 +32,10 @@ inline std::unexpected<Error> inputError(std::string text) {
 
 inline std::unexpected<Error> deviceError(std::string text) {
     return std::unexpected(Error{Fault::device, std::move(text)});
+}
+
+inline std::unexpected<Error> programError(std::string text) {
+    return std::unexpected(Error{Fault::program, std::move(text)});
 }
 
 // The same error with the place in front of it.

@@ -75,9 +75,9 @@ std::string includedFile(const std::string& line, const Defines& defines) {
 Result<void> expand(const std::string& name, const std::string& from, Expansion& expansion) {
     auto file = expansion.library.files.find(name);
     if (file == expansion.library.files.end())
-        return inputError("shader " + name + ", which " + from + " includes, does not exist");
+        return programError("shader " + name + ", which " + from + " includes, does not exist");
     if (std::ranges::count(expansion.open, name))
-        return inputError("shader " + name + " includes itself through " + from);
+        return programError("shader " + name + " includes itself through " + from);
     if (!std::ranges::count(expansion.files, name)) expansion.files.push_back(name);
     const auto place = std::ranges::find(expansion.files, name) - expansion.files.begin();
     const std::string number = std::to_string(place + 1);

@@ -54,7 +54,7 @@ Result<Prepared> prepareCase(Runner& runner, CaseResult& result, bool capture) {
     result.status = CaseStatus::failed;  // whatever is thrown from here on
     auto planned = planCase(runner.workload, c, backendOf(runner, c), capture);
     if (!planned) {
-        result.status = CaseStatus::skipped;
+        if (planned.error().fault != Fault::program) result.status = CaseStatus::skipped;
         return std::unexpected(planned.error());
     }
     planned->plan.label = result.id;

@@ -47,7 +47,7 @@ struct Planned {
     Prepared ready;
 };
 
-// An error is a reason to skip the case. Null `backend`: route cpu.
+// An error is a reason to skip the case, unless it is Fault::program: then the case fails. Null `backend`: route cpu.
 Result<Planned> planCase(Workload& workload, const Case& c, Backend* backend, bool capture);
 
 // Nothing is allocated on the device when it fails.

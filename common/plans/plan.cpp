@@ -45,8 +45,9 @@ Result<FramePlan> makePlan(const Case& c, const PlanInput& input, const DeviceCa
     Result<FramePlan> plan = c.variant->plan(c, input, caps);
     if (!plan) return plan;
     if (c.queues == Queues::async) runAhead(*plan, c);
-    if (c.route->api != Api::cpu) SKINBENCH_TRY(checkPlan(*plan, caps));
-    return plan;
+    const auto right = c.route->api == Api::cpu ? Result<void>() : checkPlan(*plan, caps);
+    if (right) return plan;
+    return right.error().fault == Fault::input ? programError(right.error().text) : std::unexpected(right.error());
 }
 
 MemoryBytes memoryOfOneCopy(const FramePlan& plan, uint32_t copies) {

@@ -250,8 +250,12 @@ TEST_CASE("a shader that is missing, or a folder in its place, is one line that 
                  {"SKINBENCH_SHADERS=" + folder});
         INFO(drawn.err);
         if (drawn.err.contains("Vulkan: ")) SKIP("no Vulkan driver on this machine");
-        CHECK(drawn.status != 0);
+        CHECK(drawn.status == 1);
         CHECK_THAT(drawn.err, ContainsSubstring("vertex.glsl"));
         CHECK(linesOf(drawn.err).size() == 1);
     }
+    const Outcome verified = call({"verify", "builtin:robot:2000", "--case", "vk/vertex/uc", "--case", "vk/compute/uc"},
+                                  {"SKINBENCH_SHADERS=" + folder});
+    CHECK(verified.status == 1);
+    CHECK_THAT(verified.err, ContainsSubstring("1 of 2 cases failed; the first, vk/vertex/uc: shader vertex.glsl"));
 }

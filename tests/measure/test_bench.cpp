@@ -130,6 +130,25 @@ TEST_CASE("a backend that draws nothing fails every case and is never timed") {
     }
 }
 
+TEST_CASE("what a device or a scene cannot hold is skipped, what the program itself lacks fails") {
+    Workload workload = tinyWorkload(2);
+    auto null = openNull(generousCaps(Api::vulkan));
+    const Backends backends{{Api::vulkan, {null.get(), {}}}};
+    BenchSettings settings;
+    settings.timed = false;
+    Case tight = makeCase("vk", "palette");
+    tight.paletteSlots = 1;
+    const auto skipped = runBench(workload, {tight}, backends, settings, {});
+    REQUIRE(skipped);
+    CHECK(skipped->front().status == CaseStatus::skipped);
+    CHECK_THAT(skipped->front().reason, ContainsSubstring("1 palette slot"));
+    workload.shaders.files.erase("vertex.glsl");
+    const auto failed = runBench(workload, {makeCase("vk", "vertex")}, backends, settings, {});
+    REQUIRE(failed);
+    CHECK(failed->front().status == CaseStatus::failed);
+    CHECK(failed->front().reason == "shader vertex.glsl, which the plan includes, does not exist");
+}
+
 TEST_CASE("rounds go on until the median is known well enough, or for kMostRounds, or until the time is up") {
     Workload workload = tinyWorkload(1);
     BenchSettings settings;
