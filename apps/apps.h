@@ -163,7 +163,7 @@ Result<void> checkSuffix(const std::string& path, const std::string& wanted);
 // "results.json" becomes "results.previous.json" in the same folder, whole at every moment. Nothing happens without it.
 void keepPrevious(const std::string& path);
 
-// Path and text of each. Writes all that can be written; what cannot is one line on standard error and status 1. The
+// Path and text of each. All are written, or none (writeWholeFiles), with one line on standard error and status 1. The
 // first one, unless it is `printed` already, then goes to the folder for temporary files, and the line says where.
 int writeOutputs(const std::vector<std::pair<std::string, std::string>>& files, bool printed);
 

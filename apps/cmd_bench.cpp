@@ -57,6 +57,13 @@ bool begin(ResultFiles& files, bool own) {
     return true;
 }
 
+std::vector<std::pair<std::string, std::string>> contentOf(const ResultFiles& files,
+                                                           const nlohmann::ordered_json& json) {
+    return {{files.path(kResultFiles[0]), dumpJson(json) + "\n"},
+            {files.path(kResultFiles[1]), resultsCsv(json)},
+            {files.path(kResultFiles[2]), reportHtml({json})}};
+}
+
 std::vector<const Route*> routesOf(const std::vector<Case>& cases) {
     std::vector<const Route*> needed;
     for (const Case& c : cases) needed.push_back(c.route);
@@ -117,17 +124,13 @@ int selfTestStatus(const nlohmann::ordered_json& json) {
 // What was measured goes to standard output first: the files' disk may be full.
 int finishRun(const RunOptions& options, ResultFiles& files, const nlohmann::ordered_json& json,
               const std::vector<CaseResult>& results) {
-    const std::string text = dumpJson(json) + "\n";
-    std::cout << (options.json ? text : resultsTable(json, terminalWidth()));
+    std::cout << (options.json ? dumpJson(json) + "\n" : resultsTable(json, terminalWidth()));
     const int printed = flushOutput();
     sayUntimed(options, json);
     const bool own = isWorthAFile(files, results);
     int written = kExitDone;
     if (begin(files, own || !interrupted())) {
-        written = writeOutputs({{files.path("results.json"), text},
-                                {files.path("results.csv"), resultsCsv(json)},
-                                {files.path("report.html"), reportHtml({json})}},
-                               options.json);
+        written = writeOutputs(contentOf(files, json), options.json);
         if (written == kExitDone) say(files.folder + "/results.json, results.csv, report.html");
     } else if (!files.folder.empty()) {
         say(files.path("results.json") + " is that of an earlier run");
@@ -205,9 +208,7 @@ int runOnDevice(const RunOptions& options) {
     bool warned = false;
     events.checkpoint = nowAndThen([&](const std::vector<CaseResult>& results) {
         if (!begin(files, isWorthAFile(files, results))) return;
-        const nlohmann::ordered_json json = resultsJson(context, results);
-        warnOnce(warned, writeWholeFile(files.path("results.json"), dumpJson(json) + "\n"));
-        warnOnce(warned, writeWholeFile(files.path("results.csv"), resultsCsv(json)));
+        warnOnce(warned, writeWholeFiles(contentOf(files, resultsJson(context, results))));
     });
     auto results = runBench(*workload, *cases, devices->byApi, context.bench, events);
     if (!results) return reportError(results.error());

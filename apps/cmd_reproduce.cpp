@@ -188,7 +188,7 @@ void saveAll(const ReproduceOptions& options, const Thesis& thesis, const std::v
         for (const char* name : kFiles) keepPrevious(options.out + name);
         noteKept(options.out + kFiles[0]);
     }
-    for (const auto& [path, text] : filesOf(options, thesis, scenes)) warnOnce(warned, writeWholeFile(path, text));
+    warnOnce(warned, writeWholeFiles(filesOf(options, thesis, scenes)));
 }
 
 std::vector<const Route*> routesOf(const std::vector<PlannedRun>& runs) {

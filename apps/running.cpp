@@ -129,21 +129,22 @@ void keepPrevious(const std::string& path) {
     previous.replace_extension(".previous" + previous.extension().string());
     fs::remove(previous, failed);
     fs::create_hard_link(path, previous, failed);
-    if (failed) fs::rename(path, previous, failed);  // no file system of Unix
+    // A file system without links. Where the disk is full, what is there stays.
+    if (failed == std::errc::operation_not_permitted || failed == std::errc::operation_not_supported ||
+        failed == std::errc::function_not_supported)
+        fs::rename(path, previous, failed);
 }
 
 int writeOutputs(const std::vector<std::pair<std::string, std::string>>& files, bool printed) {
-    std::string missing, rescued;
-    for (const auto& [path, text] : files) {
-        const auto written = writeWholeFile(path, text);
-        if (written) continue;
-        missing += (missing.empty() ? "" : "; ") + written.error().text;
-        if (printed || &text != &files.front().second) continue;
+    const auto written = writeWholeFiles(files);
+    if (written) return kExitDone;
+    std::string text = written.error().text;
+    if (!printed) {
         const std::string folder = std::filesystem::temp_directory_path();
         const std::string other = std::format("{}/skinbench-{:08x}.json", folder, std::random_device{}());
-        if (writeWholeFile(other, text)) rescued = "; the results are in " + other;
+        if (writeWholeFile(other, files.front().second)) text += "; the results are in " + other;
     }
-    return missing.empty() ? kExitDone : reportError({Fault::device, missing + rescued});
+    return reportError({Fault::device, text});
 }
 
 RunContext runContext(const Devices& devices, const Workload& workload, const Scene& scene) {

@@ -370,8 +370,8 @@ std::string commandLine(int argc, char** argv) {
 
 constexpr const char* kFooter =
     "EXIT STATUS\n"
-    "    0 done, 1 something you asked for failed or was interrupted before any case was done, 2 bad arguments or\n"
-    "    input. One line on standard error says what is wrong.\n"
+    "    0 done, 1 something you asked for failed or was interrupted before any case was done, or the disk is full,\n"
+    "    2 bad arguments or input. One line on standard error says what is wrong.\n"
     "\n"
     "FILES\n"
     "    results/            results.json, results.csv and report.html of the last bench\n"

@@ -34,8 +34,15 @@ struct Descriptor {
     }
 };
 
+// Whose fault it is that a path cannot be used: that of the path, or of a machine that has no room, no memory or a
+// broken disk.
+Fault faultOf(int why) {
+    constexpr int kOfPath[] = {ENOENT, ENOTDIR, EISDIR, EACCES, EPERM, EROFS, ELOOP, ENAMETOOLONG, EINVAL, ENXIO};
+    return std::ranges::find(kOfPath, why) == std::end(kOfPath) ? Fault::device : Fault::input;
+}
+
 std::unexpected<Error> cannotWrite(const std::string& path, int why) {
-    return inputError(path + ": cannot be written: " + std::strerror(why));
+    return std::unexpected(Error{faultOf(why), path + ": cannot be written: " + std::strerror(why)});
 }
 
 // 0, or why not.
@@ -76,7 +83,8 @@ Result<Target> targetOf(const std::string& path) {
     std::error_code failed;
     if (openDescriptor(target)) return Target::descriptor;
     if (target.has_parent_path()) fs::create_directories(target.parent_path(), failed);
-    if (failed) return inputError(path + ": cannot make its folder: " + failed.message());
+    if (failed)
+        return std::unexpected(Error{faultOf(failed.value()), path + ": cannot make its folder: " + failed.message()});
     switch (fs::symlink_status(target, failed).type()) {
         case fs::file_type::regular:
         case fs::file_type::not_found:
@@ -104,6 +112,33 @@ Result<std::pair<Descriptor, std::string>> openBeside(const std::string& path) {
     }
 }
 
+// What is to replace `path`, in a file beside it until then.
+struct Written {
+    std::string path, beside;
+    Written(std::string path, std::string beside) : path(std::move(path)), beside(std::move(beside)) {}
+    Written(Written&& other) noexcept : path(std::move(other.path)), beside(std::exchange(other.beside, "")) {}
+    Written& operator=(Written&&) = delete;
+    ~Written() {
+        if (!beside.empty()) unlink(beside.c_str());
+    }
+};
+
+Result<void> writeBeside(Written& written, std::string_view bytes) {
+    auto opened = openBeside(written.path);
+    SKINBENCH_TRY(opened);
+    auto& [file, name] = *opened;
+    written.beside = name;
+    int why = writeAll(file.number, bytes);
+    if (close(std::exchange(file.number, -1)) != 0 && why == 0) why = errno;
+    return why ? cannotWrite(written.path, why) : Result<void>{};
+}
+
+Result<void> putInPlace(Written& written) {
+    if (rename(written.beside.c_str(), written.path.c_str()) != 0) return cannotWrite(written.path, errno);
+    written.beside.clear();
+    return {};
+}
+
 Result<void> writeThrough(const std::string& path, std::string_view bytes) {
     const Descriptor file(open(path.c_str(), O_WRONLY | O_NOFOLLOW | O_NOCTTY | O_CLOEXEC));
     const int why = file.number < 0 ? errno : writeAll(file.number, bytes);
@@ -126,15 +161,21 @@ Result<void> writeWholeFile(const std::string& path, std::string_view bytes) {
         const int why = writeAll(*openDescriptor(path), bytes);
         return why ? cannotWrite(path, why) : Result<void>{};
     }
-    auto opened = openBeside(path);
-    SKINBENCH_TRY(opened);
-    auto& [file, temporary] = *opened;
-    int why = writeAll(file.number, bytes);
-    if (close(std::exchange(file.number, -1)) != 0 && why == 0) why = errno;
-    if (why == 0 && rename(temporary.c_str(), path.c_str()) != 0) why = errno;
-    if (why == 0) return {};
-    unlink(temporary.c_str());
-    return cannotWrite(path, why);
+    Written written{path, ""};
+    SKINBENCH_TRY(writeBeside(written, bytes));
+    return putInPlace(written);
+}
+
+Result<void> writeWholeFiles(const std::vector<std::pair<std::string, std::string>>& files) {
+    std::vector<Written> written;
+    for (const auto& [path, bytes] : files) {
+        const auto target = targetOf(path);
+        SKINBENCH_TRY(target);
+        if (*target != Target::file) return inputError(path + ": is no regular file");
+        SKINBENCH_TRY(writeBeside(written.emplace_back(path, ""), bytes));
+    }
+    for (Written& file : written) SKINBENCH_TRY(putInPlace(file));
+    return {};
 }
 
 Result<void> checkOutput(const std::string& path, std::span<const std::string> inputs) {
@@ -153,7 +194,8 @@ Result<std::string> readWholeFile(const std::string& path) {
     if (path.empty()) return inputError("the name of an input file is empty");
     const Descriptor file(open(path.c_str(), O_RDONLY | O_NONBLOCK | O_NOCTTY | O_CLOEXEC));
     struct stat state {};
-    if (file.number < 0 || fstat(file.number, &state) != 0) return inputError(path + ": " + std::strerror(errno));
+    if (file.number < 0 || fstat(file.number, &state) != 0)
+        return std::unexpected(Error{faultOf(errno), path + ": " + std::strerror(errno)});
     if (S_ISDIR(state.st_mode)) return inputError(path + ": is a folder; name a file");
     if (!S_ISREG(state.st_mode) && !S_ISFIFO(state.st_mode)) return inputError(path + ": is no file");
     if (S_ISREG(state.st_mode) && static_cast<size_t>(state.st_size) > kLargestInput)
@@ -168,7 +210,7 @@ Result<std::string> readWholeFile(const std::string& path) {
             return inputError(std::format("{}: a pipe that says nothing for {} s", path, kSilence / 1000));
         const ssize_t got = read(file.number, &bytes[filled], bytes.size() - filled);
         if (got < 0 && (errno == EINTR || errno == EAGAIN)) continue;
-        if (got < 0) return inputError(path + ": cannot be read: " + std::strerror(errno));
+        if (got < 0) return std::unexpected(Error{faultOf(errno), path + ": cannot be read: " + std::strerror(errno)});
         if (got == 0) break;
         filled += static_cast<size_t>(got);
         if (filled > kLargestInput) return inputError(path + ": is larger than 1 GiB");

@@ -1,9 +1,12 @@
-// Output files that are either whole or absent, and input files read at once.
+// Output files that are either whole or absent, and input files read at once. An error is Fault::input where another
+// path helps, and Fault::device where the machine has no room, no memory or a broken disk.
 #pragma once
 
 #include <span>
 #include <string>
 #include <string_view>
+#include <utility>
+#include <vector>
 
 #include "common/core/result.h"
 
@@ -14,6 +17,10 @@ namespace skinbench {
 // replaced: bytes go through to a pipe, a character device or an open descriptor (/dev/stdout); a folder, a symbolic
 // link and a block device are refused.
 Result<void> writeWholeFile(const std::string& path, std::string_view bytes);
+
+// Several regular files, each a path and its bytes, that belong together: the first old one is replaced when all new
+// ones are written beside them, so that a full disk leaves all old ones as they were.
+Result<void> writeWholeFiles(const std::vector<std::pair<std::string, std::string>>& files);
 
 // What would stop writeWholeFile, before there is anything to write: the same refusals, a folder in which no file can
 // be made, and an output that is one of `inputs`. Makes the folder.

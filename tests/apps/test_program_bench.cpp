@@ -288,7 +288,7 @@ TEST_CASE("what was measured is printed though no file can be written") {
     fs::create_directories(pathOf("gone"));
     const Running running = start({"bench", "builtin:robot:2000", "--routes", "cpu", "--influences", "4,8", "--copies",
                                    "4", "--frames", "100000", "--rounds", "1000", "--out", "gone"});
-    for (int tries = 0; tries < 2000 && !fs::exists(pathOf("gone/results.csv")); ++tries)
+    for (int tries = 0; tries < 2000 && !fs::exists(pathOf("gone/report.html")); ++tries)
         std::this_thread::sleep_for(std::chrono::milliseconds(10));
     fs::remove_all(pathOf("gone"));
     fixture::writeText("gone", "a file in the folder's place");

@@ -1,4 +1,6 @@
 // Files that the program reads and writes: what is refused in one line, and what is never overwritten.
+#include <sys/resource.h>
+
 #include <functional>
 #include <limits>
 
@@ -133,6 +135,47 @@ TEST_CASE("outputs that cannot be written") {
         CHECK(full.status == 1);
         CHECK_THAT(full.err, ContainsSubstring("skinbench: standard output cannot be written"));
     }
+}
+
+namespace {
+
+// The program where a file takes no more than `bytes`, as a full disk does.
+Outcome callOnFullDisk(const Words& words, rlim_t bytes) {
+    rlimit before{};
+    REQUIRE(getrlimit(RLIMIT_FSIZE, &before) == 0);
+    const rlimit small{bytes, before.rlim_max};
+    REQUIRE(setrlimit(RLIMIT_FSIZE, &small) == 0);
+    const Running running = start(words);
+    setrlimit(RLIMIT_FSIZE, &before);
+    return finish(running);
+}
+
+}  // namespace
+
+TEST_CASE("a disk that is full is a fault of the machine, and the files of a run before stay together") {
+    const Words bench = {"bench", "builtin:robot:2000", "--routes", "cpu", "--preset", "quick", "--out", "room"};
+    REQUIRE(call(bench).status == 0);
+    std::vector<std::string> before;
+    const std::vector<std::string> names = {"room/results.json", "room/results.csv", "room/report.html"};
+    for (const std::string& name : names) before.push_back(*readWholeFile(pathOf(name)));
+    REQUIRE(before[1].size() < 4096);
+    // A software driver's own memory is a file, so it draws on a disk with room.
+    const Words render = {"render", "builtin:robot:2000", "--route", "vk", "--size", "64x64", "-o", "/dev/full"};
+    for (const Words& words : {bench,
+                               render,
+                               {"report", "room", "-o", "room/page.html"},
+                               {"scene", "export", "builtin:robot:2000", "room/x.glb"}}) {
+        const bool whole = words == render;
+        const Outcome full = whole ? call(words) : callOnFullDisk(words, 4096);
+        INFO(words[0] << ": " << full.err);
+        if (full.err.contains("Vulkan: ")) continue;
+        CHECK(full.status == 1);
+        CHECK_THAT(full.err, ContainsSubstring(std::string("cannot be written: ") +
+                                               (whole ? "No space left on device" : "File too large")));
+    }
+    for (size_t i = 0; i < names.size(); ++i) CHECK(*readWholeFile(pathOf(names[i])) == before[i]);
+    for (const char* name : {"room/page.html", "room/x.glb"}) CHECK(!fs::exists(pathOf(name)));
+    for (const auto& entry : fs::directory_iterator(pathOf("room"))) CHECK(entry.path().extension() != ".part");
 }
 
 TEST_CASE("outputs that would replace what is no file of their kind") {

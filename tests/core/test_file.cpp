@@ -91,12 +91,31 @@ TEST_CASE("a write that stops half-way leaves the old file as it was") {
     const auto handler = std::signal(SIGXFSZ, SIG_IGN);
     REQUIRE(setrlimit(RLIMIT_FSIZE, &small) == 0);
     const auto written = writeWholeFile(path, std::string(100'000, 'x'));
+    const auto several = writeWholeFiles({{path, "new"}, {(folder / "other").string(), std::string(100'000, 'x')}});
     setrlimit(RLIMIT_FSIZE, &before);
     std::signal(SIGXFSZ, handler);
-    REQUIRE(!written);
-    CHECK_THAT(written.error().text, ContainsSubstring("cannot be written"));
+    for (const auto& stopped : {written, several}) {
+        REQUIRE(!stopped);
+        CHECK(stopped.error().fault == Fault::device);
+        CHECK_THAT(stopped.error().text, ContainsSubstring("cannot be written"));
+    }
     CHECK(*readWholeFile(path) == "old");
     CHECK(filesIn(folder) == 1);
+}
+
+TEST_CASE("several files replace the old ones together, or none does") {
+    const fs::path folder = freshFolder("several");
+    const std::string a = (folder / "a").string(), b = (folder / "b").string();
+    REQUIRE(writeWholeFiles({{a, "one"}, {b, "two"}}));
+    CHECK(*readWholeFile(a) == "one");
+    CHECK(*readWholeFile(b) == "two");
+    const auto refused = writeWholeFiles({{a, "new"}, {b, "new"}, {(folder / "a" / "below").string(), "new"}});
+    REQUIRE(!refused);
+    CHECK(refused.error().fault == Fault::input);
+    CHECK_FALSE(writeWholeFiles({{a, "new"}, {"/dev/null", "new"}}));
+    CHECK(*readWholeFile(a) == "one");
+    CHECK(*readWholeFile(b) == "two");
+    CHECK(filesIn(folder) == 2);
 }
 
 TEST_CASE("what cannot be read is told with its path") {
@@ -139,6 +158,7 @@ TEST_CASE("a device stays a device, and an open descriptor keeps its place") {
     const auto full = writeWholeFile("/dev/full", "text");
     REQUIRE(!full);
     CHECK_THAT(full.error().text, ContainsSubstring("No space left"));
+    CHECK(full.error().fault == Fault::device);
     const std::string path = (freshFolder("descriptor") / "file").string();
     const int file = open(path.c_str(), O_RDWR | O_CREAT, 0600);
     REQUIRE(file >= 0);
