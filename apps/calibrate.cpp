@@ -4,6 +4,7 @@
 #include <set>
 
 #include "apps/apps.h"
+#include "common/core/text.h"
 
 namespace skinbench {
 namespace {
@@ -70,8 +71,8 @@ Result<std::vector<Calibration>> calibrateShapes(Workload& workload, std::vector
                 }
             }
             if (!calibration.tried.empty()) {
-                say(std::format("auto: {}: fastest of {} shapes ({:.3f} ms)", calibration.chosen,
-                                calibration.tried.size(), fastest));
+                say(std::format("auto: {}: fastest of {} ({:.3f} ms)", calibration.chosen,
+                                counted(calibration.tried.size(), "shape"), fastest));
                 calibrations.push_back(std::move(calibration));
             }
         }

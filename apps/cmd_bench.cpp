@@ -73,7 +73,9 @@ std::vector<const Route*> routesOf(const std::vector<Case>& cases) {
 // "auto" stands for the best route of the device.
 Result<void> resolveAuto(Selectors& selectors) {
     std::vector<std::string>& routes = selectors.words["route"];
-    if (routes != std::vector<std::string>{"auto"}) return {};
+    const auto chosen = namesAuto(routes);
+    SKINBENCH_TRY(chosen);
+    if (!*chosen) return {};
     const auto choice = chooseRouteOf(selectors.device);
     SKINBENCH_TRY(choice);
     routes = {choice->route->name};
@@ -117,7 +119,8 @@ int selfTestStatus(const nlohmann::ordered_json& json) {
     if (unequal == 0) return kExitDone;
     const bool kept = json["settings"]["placement"] == "kept";
     return reportError(
-        {Fault::device, std::format("{} of {} equal pairs differ beyond their intervals{}", unequal, rows.size(),
+        {Fault::device, std::format("{} of {} {} beyond the intervals{}", unequal, counted(rows.size(), "equal pair"),
+                                    unequal == 1 ? "differs" : "differ",
                                     kept ? "; --placement fresh averages over where buffers lie" : "")});
 }
 

@@ -41,9 +41,9 @@ void printScene(const Inspection& inspection) {
 void printMeshlets(const Inspection& inspection) {
     std::cout << std::format(
         "\nmeshlets of at most {} vertices and {} triangles; common: one list of at most {} joints, "
-        "{} vertices a group or more\n",
+        "{} a group or more\n",
         inspection.settings.limits.vertices, inspection.settings.limits.triangles, inspection.settings.influences,
-        inspection.settings.minVertices);
+        counted(inspection.settings.minVertices, "vertex", "vertices"));
     std::cout
         << "geometry order  builder cut               meshlets vertices triangles  v fill  t fill  reuse  tuples  "
            "joints most  common   records remainder\n";
@@ -92,8 +92,8 @@ void printCodecs(const Inspection& inspection) {
                                  row.errors.weight.mean, row.errors.weight.max, row.encodeMs);
     }
     for (const EncodeTotal& total : encodeTotals(inspection.codecs))
-        std::cout << std::format("{:<8} {:<7} encode all: {} codecs in {:.1f} ms\n", geometryName(total.geometry),
-                                 total.builder->name, total.codecs, total.encodeMs);
+        std::cout << std::format("{:<8} {:<7} encode all: {} in {:.1f} ms\n", geometryName(total.geometry),
+                                 total.builder->name, counted(total.codecs, "codec"), total.encodeMs);
 }
 
 }  // namespace

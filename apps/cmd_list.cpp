@@ -59,7 +59,7 @@ int listCases(const RunOptions& options, const std::vector<Case>& cases, const s
     if (options.json)
         std::cout << dumpJson(Json{{"schema", "skinbench-list/1"}, {"cases", rows}, {"unused", words}}) << "\n";
     else
-        say(std::format("{} cases, {} of them skipped", cases.size(), skipped));
+        say(std::format("{}, {} skipped", counted(cases.size(), "case"), skipped));
     return flushOutput();
 }
 

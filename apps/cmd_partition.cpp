@@ -52,7 +52,9 @@ Result<Partitioned> partition(const PartitionOptions& options, const Request& re
     const auto start = std::chrono::steady_clock::now();
     auto plan = partitionMesh(scene->mesh, request.hardware, *request.solver, *request.order);
     const std::chrono::duration<double, std::milli> taken = std::chrono::steady_clock::now() - start;
-    if (!plan) return inputError(scene->name + ": " + plan.error().text);
+    if (!plan)
+        return inputError(scene->name + ": " + plan.error().text +
+                          " or hardware with more slots (--hardware, --slots)");
     const auto right = checkPartition(scene->mesh, *plan);
     SKINBENCH_ASSERT(right);
     return Partitioned{std::move(*scene), std::move(*plan), taken.count()};
@@ -94,10 +96,11 @@ void printPartition(const PartitionOptions& options, const Request& request, con
     const PaletteHardware& hardware = request.hardware;
     const PartitionPlan& plan = done.plan;
     auto row = [](const char* name, const std::string& value) { std::cout << std::format("{:<10}{}\n", name, value); };
-    row("scene", std::format("{}, {} triangles, {} joints, {} influences", terminalText(done.scene.name),
-                             plan.triangles.size(), done.scene.skeleton.joints.size(), options.influences));
-    row("hardware", std::format("{}, {} slot{}; an upload costs {}, a pass {}", hardware.name, hardware.slots,
-                                hardware.slots == 1 ? "" : "s", hardware.uploadCost, hardware.passCost));
+    row("scene", std::format("{}, {}, {}, {} influences", terminalText(done.scene.name),
+                             counted(plan.triangles.size(), "triangle"),
+                             counted(done.scene.skeleton.joints.size(), "joint"), options.influences));
+    row("hardware", std::format("{}, {}; an upload costs {}, a pass {}", hardware.name, counted(hardware.slots, "slot"),
+                                hardware.uploadCost, hardware.passCost));
     row("solver", std::format("{}, order {}", request.solver->name, request.order->name));
     row("groups", std::format("{}", plan.groups));
     row("commands", std::format("{}", plan.commands.size()));

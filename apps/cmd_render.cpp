@@ -83,7 +83,9 @@ Result<std::vector<AxisWords>> crossingsOf(RenderOptions& options) {
 // Those that the words cross. What was named and is in none of them is one line with its reason.
 Result<std::vector<Case>> crossedPictures(RenderOptions& options) {
     AxisWords all = options.selectors.words;
-    if (all["route"] == std::vector<std::string>{"auto"}) all["route"].clear();
+    const auto chosen = namesAuto(all["route"]);
+    SKINBENCH_TRY(chosen);
+    if (*chosen) all["route"].clear();
     SKINBENCH_TRY(crossCases(all));  // what is wrong about a word comes before any other line
     const auto crossings = crossingsOf(options);
     SKINBENCH_TRY(crossings);

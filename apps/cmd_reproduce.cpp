@@ -156,8 +156,8 @@ Result<ReproduceScene> runScene(Reproducing& all, Workload& given) {
         scene.errors = std::move(*errors);
     }
     for (const PlannedRun& planned : all.runs) {
-        say(std::format("{}: {} cases, {}{}", given.stored.name, planned.cases.size(), geometryName(planned.geometry),
-                        planned.cacheOrder ? "" : ", order of the file"));
+        say(std::format("{}: {}, {}{}", given.stored.name, counted(planned.cases.size(), "case"),
+                        geometryName(planned.geometry), planned.cacheOrder ? "" : ", order of the file"));
         WorkloadSettings workloadSettings = given.settings;
         workloadSettings.prepare.geometry = planned.geometry;
         workloadSettings.prepare.cacheOrder = planned.cacheOrder;

@@ -88,9 +88,9 @@ Result<Json> measureChoices(const std::string& scene, const std::string& device,
 }
 
 std::string measuredText(const Json& measured) {
-    std::string text =
-        std::format("measured: {}, {} copies, milliseconds a frame, median and its 95 % interval\n",
-                    terminalText(measured["scene"].get<std::string>()), measured["copies"].get<uint32_t>());
+    std::string text = std::format("measured: {}, {}, milliseconds a frame, median and its 95 % interval\n",
+                                   terminalText(measured["scene"].get<std::string>()),
+                                   counted(measured["copies"].get<uint32_t>(), "copy", "copies"));
     const Json *fastest = nullptr, *ofRule = nullptr;
     for (const Json& row : measured["cases"]) {
         const std::string id = row["id"];

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <format>
 
+#include "common/core/text.h"
 #include "common/measure/picking.h"
 #include "common/report/columns.h"
 
@@ -115,9 +116,10 @@ void prepareLane(Work& work, Lane& lane, const PictureRequest& request, const Ca
     if (!input.meshlets) return;
     const Mesh& mesh = input.records ? input.records->mesh : input.scene->mesh;
     const MeshletStats stats = meshletStats(mesh, *input.meshlets);
-    lane.facts.push_back(std::format(
-        "{} meshlets: {:.1f} vertices, {:.1f} triangles, {:.1f} tuples each; each vertex {:.2f} times", stats.meshlets,
-        stats.meanVertices, stats.meanTriangles, stats.meanUniqueTuples, stats.vertexReuse));
+    lane.facts.push_back(
+        std::format("{}: {:.1f} vertices, {:.1f} triangles, {:.1f} tuples each; each vertex {:.2f} times",
+                    counted(stats.meshlets, "meshlet"), stats.meanVertices, stats.meanTriangles, stats.meanUniqueTuples,
+                    stats.vertexReuse));
 }
 
 // The error of the picture, and what the pipeline counts in one more such frame where the device counts.

@@ -14,6 +14,7 @@
 
 #include "apps/apps.h"
 #include "common/core/file.h"
+#include "common/core/text.h"
 
 namespace skinbench {
 namespace {
@@ -165,8 +166,9 @@ int statusOf(const std::vector<CaseResult>& results) {
         if (!firstFailed && result.status == CaseStatus::failed) firstFailed = &result;
     }
     if (firstFailed)
-        return reportError({Fault::device, std::format("{} of {} cases failed; the first, {}: {}", failed,
-                                                       results.size(), firstFailed->id, firstFailed->reason)});
+        return reportError(
+            {Fault::device, std::format("{} of {} failed; the first, {}: {}", failed, counted(results.size(), "case"),
+                                        firstFailed->id, firstFailed->reason)});
     if (done || results.empty()) return kExitDone;
     if (interrupted()) return reportError({Fault::device, "interrupted before a case was done"});
     return reportError(

@@ -4,6 +4,7 @@
 #include <set>
 
 #include "apps/selectors.h"
+#include "common/core/text.h"
 
 namespace skinbench {
 namespace {
@@ -150,6 +151,12 @@ Result<std::vector<Case>> crossedOnce(const std::vector<AxisWords>& crossings) {
     return cases;
 }
 
+Result<bool> namesAuto(const std::vector<std::string>& routes) {
+    if (!std::ranges::contains(routes, "auto")) return false;
+    if (routes.size() > 1) return inputError("route auto is used alone, not beside others");
+    return true;
+}
+
 Result<std::pair<uint32_t, uint32_t>> parseSize(const std::string& text) {
     return parsePair(text, 'x', "--size", 16384);
 }
@@ -189,8 +196,8 @@ BenchSettings benchSettings(const Selectors& s, bool anyHardware) {
     settings.warmup = s.warmupGiven ? s.warmup : preset.warmup;
     settings.rounds = std::min(asked, settings.frames);
     if (s.rounds > settings.rounds)
-        warn(std::format("--rounds {} share --frames {}, at least one each: {} round{}", s.rounds, settings.frames,
-                         settings.rounds, settings.rounds == 1 ? "" : "s"));
+        warn(std::format("--rounds {} share --frames {}, at least one each: {}", s.rounds, settings.frames,
+                         counted(settings.rounds, "round")));
     const bool fixed = s.frames || s.rounds;
     settings.precision = (s.precision >= 0 ? s.precision : fixed ? 0 : preset.precision) / 100;
     settings.timeLimit = s.timeLimit >= 0 ? s.timeLimit : preset.timeLimit;

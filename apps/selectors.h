@@ -42,6 +42,9 @@ Result<std::vector<const Row*>> chosenRows(const std::vector<Row>& rows, const s
 Result<std::pair<uint32_t, uint32_t>> parsePair(const std::string& text, char separator, const char* what,
                                                 uint32_t most);
 
+// Whether `auto` is to choose the route; an error where it is named beside others.
+Result<bool> namesAuto(const std::vector<std::string>& routes);
+
 // The raster modes of the preset that was named, else of the usual one.
 std::vector<std::string> presetRasters(const Selectors& selectors);
 

@@ -136,10 +136,14 @@ Axis computeAxis() {
     axis.set = [there = joined(axis.words)](Case& c, const std::string& text) {
         c.compute = {};
         if (text == "plain") return Result<void>{};
-        for (const auto part : std::views::split(text, '+'))
-            if (const std::string_view name(part.begin(), part.end()); !setFlag(c.compute, name))
-                return Result<void>(inputError(
-                    std::format("no compute option '{}'; there is {}, which may be joined with +", name, there)));
+        for (const auto part : std::views::split(text, '+')) {
+            const std::string_view name(part.begin(), part.end());
+            if (name == "plain")
+                return Result<void>(inputError("compute option plain is used alone, not as in '" + text + "'"));
+            if (!setFlag(c.compute, name))
+                return Result<void>(inputError(std::format(
+                    "no compute option '{}'; there is {}; all but plain may be joined with +", name, there)));
+        }
         return Result<void>{};
     };
     axis.unnamed = [](const Case&) { return std::vector<std::string>{"plain"}; };

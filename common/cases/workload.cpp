@@ -86,7 +86,7 @@ static Result<Records> partition(const Case& c, const Mesh& mesh) {
     PaletteHardware hardware = *findPaletteHardware("generic");
     hardware.slots = c.paletteSlots;
     auto plan = partitionMesh(mesh, hardware, *findPartitionSolver("cheapest-insertion"), *findGroupOrder("given"));
-    SKINBENCH_TRY(plan);
+    if (!plan) return inputError(plan.error().text + " or more slots (--palette-slots)");
     if (auto right = checkPartition(mesh, *plan); !right) return programError("partition: " + right.error().text);
     return partitionedRecords(mesh, *plan);
 }

@@ -135,6 +135,10 @@ std::string wrapText(std::string_view line, size_t width, size_t indent) {
     return wrapped;
 }
 
+std::string counted(uint64_t count, const std::string& one, const std::string& many) {
+    return std::format("{} {}", count, count == 1 ? one : many.empty() ? one + "s" : many);
+}
+
 std::string csvText(std::string_view text) {
     std::string field;
     if (!text.empty() && std::string_view("=+-@\t\r").contains(text.front()) && !isNumber(text)) field = "'";
@@ -189,9 +193,9 @@ Result<void> checkJsonShape(std::string_view text, const JsonLimits& limits) {
         if (c == '{' || c == '[') keys.push_back(0);
         if ((c == '}' || c == ']') && !keys.empty()) keys.pop_back();
         if (c == ':' && !keys.empty() && ++keys.back() > limits.keys)
-            return inputError(std::format("holds an object with more than {} keys", limits.keys));
+            return inputError("holds an object with more than " + counted(limits.keys, "key"));
         if (keys.size() > static_cast<size_t>(limits.depth))
-            return inputError(std::format("nests its JSON deeper than {} levels", limits.depth));
+            return inputError("nests its JSON deeper than " + counted(static_cast<uint64_t>(limits.depth), "level"));
     }
     return {};
 }

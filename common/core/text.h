@@ -4,6 +4,7 @@
 #pragma once
 
 #include <cstddef>
+#include <cstdint>
 #include <string>
 #include <string_view>
 
@@ -23,6 +24,9 @@ std::string terminalText(std::string_view text, size_t most);
 // A line broken at spaces into lines of at most `width` characters, the second and later ones behind `indent` spaces. A
 // longer word stays whole, and with width 0 the line does.
 std::string wrapText(std::string_view line, size_t width, size_t indent = 0);
+
+// "1 case", "2 cases"; `many` is for words that do not just end in s.
+std::string counted(uint64_t count, const std::string& one, const std::string& many = {});
 
 inline constexpr size_t kLongestMessage = 600;  // characters of one line on standard error
 

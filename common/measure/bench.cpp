@@ -8,6 +8,7 @@
 #include <set>
 
 #include "common/core/stats.h"
+#include "common/core/text.h"
 #include "common/frame/image.h"
 #include "common/measure/verify.h"
 #include "common/scene/tangents.h"
@@ -42,9 +43,7 @@ bool failOnMessages(CaseResult& result, Backend* backend) {
     if (!backend) return false;
     const std::vector<std::string> messages = backend->takeMessages();
     if (messages.empty()) return false;
-    failCase(
-        result, CaseStatus::failed,
-        std::format("{} validation message{}: {}", messages.size(), messages.size() == 1 ? "" : "s", messages.front()));
+    failCase(result, CaseStatus::failed, counted(messages.size(), "validation message") + ": " + messages.front());
     return true;
 }
 

@@ -6,6 +6,7 @@
 #include <random>
 #include <utility>
 
+#include "common/core/text.h"
 #include "common/measure/bench_parts.h"
 
 namespace skinbench {
@@ -168,9 +169,8 @@ Result<std::vector<DrawnFrame>> drawTimed(Prepared& ready, std::span<const Frame
     }
     if (!(all <= waited * kClockSkew + kClockStep))
         return deviceError(
-            std::format("the device's timestamps cannot be right: {} frame{} took {:g} ms by them, and the "
-                        "host waited {:g} ms",
-                        drawn->size(), drawn->size() == 1 ? "" : "s", all, waited));
+            std::format("the device's timestamps cannot be right: {} took {:g} ms by them, and the host waited {:g} ms",
+                        counted(drawn->size(), "frame"), all, waited));
     return drawn;
 }
 

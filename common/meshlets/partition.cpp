@@ -7,6 +7,8 @@
 #include <iterator>
 #include <map>
 
+#include "common/core/text.h"
+
 namespace skinbench {
 
 const std::vector<PaletteHardware>& paletteHardware() {
@@ -278,10 +280,8 @@ Result<PartitionPlan> partitionMesh(const Mesh& mesh, const PaletteHardware& har
     const auto largest = std::ranges::max_element(groups, {}, [](const JointGroup& g) { return g.joints.size(); });
     if (largest != groups.end() && largest->joints.size() > hardware.slots)
         return inputError(std::format(
-            "triangle {} needs {} joints at once, but {} has {} palette slot{}; keep fewer influences a vertex "
-            "(--influences) or choose hardware with more slots (--hardware)",
-            largest->triangles[0], largest->joints.size(), hardware.name, hardware.slots,
-            hardware.slots == 1 ? "" : "s"));
+            "triangle {} needs {} at once, but a draw has {}; choose fewer influences a vertex (--influences)",
+            largest->triangles[0], counted(largest->joints.size(), "joint"), counted(hardware.slots, "palette slot")));
     order.sort(groups);
     return planPasses(groups, solver.solve(groups, hardware), hardware.slots);
 }

@@ -307,7 +307,7 @@ std::vector<std::string> findWorse(const Comparison& comparison, double percent,
         const auto first = std::ranges::find_if(comparison.cases, belongs);
         if (first == comparison.cases.end()) return;
         const auto count = std::ranges::count_if(comparison.cases, belongs);
-        lines.push_back(std::format("{} of {} cases {}; the first, {}{}", count, comparison.cases.size(),
+        lines.push_back(std::format("{} of {} {}; the first, {}{}", count, counted(comparison.cases.size(), "case"),
                                     count == 1 ? one : more, first->id, detail(*first)));
     };
     auto nothing = [](const ComparedCase&) { return std::string(); };
@@ -367,8 +367,7 @@ Json comparisonJson(const Comparison& comparison) {
 
 // "A → B is codec: uc → pc, 7 of 9 pairs with times: B/A from 0.9812 to 1.1201, median 1.0503"
 static std::string directionText(const std::vector<const ComparedCase*>& pairs) {
-    std::string text =
-        std::format("A → B is {}, {} {}", pairs.front()->direction, pairs.size(), pairs.size() == 1 ? "pair" : "pairs");
+    std::string text = std::format("A → B is {}, {}", pairs.front()->direction, counted(pairs.size(), "pair"));
     std::vector<double> ratios;
     bool software = false;
     for (const ComparedCase* pair : pairs) {
@@ -427,8 +426,8 @@ std::string comparisonText(const Comparison& comparison, size_t width) {
         text += groupsText(cases, idWidth);
     }
     if (comparison.alone > 0)
-        text += std::format("\n{} of A without a partner\n",
-                            comparison.alone == 1 ? "1 case is" : std::format("{} cases are", comparison.alone));
+        text += std::format("\n{} {} of A without a partner\n", counted(comparison.alone, "case"),
+                            comparison.alone == 1 ? "is" : "are");
     const bool hardware = std::ranges::any_of(
         comparison.cases, [](const ComparedCase& compared) { return compared.ratio && !compared.b.software; });
     if (hardware && !comparison.placementCovered)

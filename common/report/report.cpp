@@ -7,6 +7,7 @@
 #include <format>
 #include <fstream>
 
+#include "common/core/text.h"
 #include "common/core/version.h"
 #include "common/report/answers.h"
 #include "common/report/columns.h"
@@ -51,8 +52,9 @@ Json sceneJson(const std::string& name, const SceneStats& stats) {
 }
 
 std::string sceneText(const SceneStats& stats) {
-    return std::format("{} vertices, {} triangles, {} joints, {} tuples, {:.2f} influences ({} at the most)",
-                       stats.vertices, stats.triangles, stats.joints, stats.uniqueTuples, stats.meanInfluences,
+    return std::format("{}, {}, {}, {}, {:.2f} influences ({} at the most)",
+                       counted(stats.vertices, "vertex", "vertices"), counted(stats.triangles, "triangle"),
+                       counted(stats.joints, "joint"), counted(stats.uniqueTuples, "tuple"), stats.meanInfluences,
                        stats.maxInfluences);
 }
 
@@ -266,6 +268,10 @@ constexpr double kMovedClock = 0.02, kDrift = 0.01, kUnlikely = 0.01;
 
 static bool isTimedCase(const CaseResult& result) { return isTimed(result) && !result.isLimit; }
 
+static std::string countedCases(const std::vector<CaseResult>& results) {
+    return counted(static_cast<uint64_t>(std::ranges::count_if(results, isTimedCase)), "case");
+}
+
 static void addDrift(std::vector<std::string>& warnings, const std::vector<CaseResult>& results) {
     size_t drifted = 0;
     for (const CaseResult& result : results) {
@@ -274,8 +280,8 @@ static void addDrift(std::vector<std::string>& warnings, const std::vector<CaseR
         drifted += drift.p && *drift.p < kUnlikely && drift.relative > kDrift;
     }
     if (drifted > 0)
-        warnings.push_back(std::format("{} of {} cases drifted by more than {:.0f} % between rounds", drifted,
-                                       std::ranges::count_if(results, isTimedCase), kDrift * 100));
+        warnings.push_back(std::format("{} of {} drifted by more than {:.0f} % between rounds", drifted,
+                                       countedCases(results), kDrift * 100));
 }
 
 static void addPrecision(std::vector<std::string>& warnings, const BenchSettings& settings,
@@ -293,8 +299,8 @@ static void addPrecision(std::vector<std::string>& warnings, const BenchSettings
     }
     if (wide > 0)
         warnings.push_back(
-            std::format("precision: {} of {} cases did not reach {:g} %{}; the widest, {}, is known to ± {:.3g} %",
-                        wide, std::ranges::count_if(results, isTimedCase), settings.precision * 100,
+            std::format("precision: {} of {} did not reach {:g} %{}; the widest, {}, is known to ± {:.3g} %", wide,
+                        countedCases(results), settings.precision * 100,
                         settings.timeLimit > 0 ? std::format(" within {:g} s (--time-limit)", settings.timeLimit) : "",
                         widest->id, worst * 100));
 }

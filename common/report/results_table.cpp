@@ -33,11 +33,11 @@ std::string line(const Table& table, const std::string& text, size_t indent) {
     return wrapText(text, table.width, indent) + "\n";
 }
 
-// 56842 as "56,842"
-std::string grouped(const Json& value) {
+// 56842 as "56,842 vertices"
+std::string grouped(const Json& value, const std::string& one, const std::string& many) {
     std::string digits = value.is_number() ? std::to_string(value.get<uint64_t>()) : "?";
     for (size_t place = digits.size(); place > 3; place -= 3) digits.insert(place - 3, ",");
-    return digits;
+    return digits + " " + (value == 1 ? one : many);
 }
 
 std::string joined(const std::vector<std::string>& words, const char* last) {
@@ -79,10 +79,11 @@ std::string sentence(const Json& results) {
     std::vector<std::string> rasters;
     for (const Json& row : results["cases"])
         if (!onCpu(row)) addOnce(rasters, textOf(row["raster"]));
-    return std::format("{}: {} {} of {} ({} vertices, {} joints), {}x{}{}", devicesText(results),
-                       grouped(settings["copies"]), settings["copies"] == 1 ? "copy" : "copies", printed(scene["name"]),
-                       grouped(scene["vertices"]), grouped(scene["joints"]), dumpJson(settings["width"]),
-                       dumpJson(settings["height"]), rasters.empty() ? "" : ", raster " + joined(rasters, "and"));
+    return std::format("{}: {} of {} ({}, {}), {}x{}{}", devicesText(results),
+                       grouped(settings["copies"], "copy", "copies"), printed(scene["name"]),
+                       grouped(scene["vertices"], "vertex", "vertices"), grouped(scene["joints"], "joint", "joints"),
+                       dumpJson(settings["width"]), dumpJson(settings["height"]),
+                       rasters.empty() ? "" : ", raster " + joined(rasters, "and"));
 }
 
 std::string headerOf(const Table& table, const Column& column) {
@@ -252,7 +253,7 @@ std::string countsText(const Json& results) {
     const auto verified = std::ranges::count_if(cases, [](const Json& row) {
         return row["status"] == "ok" || (row["status"] == "skipped" && !row["accuracy"].is_null());
     });
-    std::string text = std::format("{} of {} cases verified", timed ? with("ok") : verified, cases.size());
+    std::string text = std::format("{} of {} verified", timed ? with("ok") : verified, counted(cases.size(), "case"));
     if (timed) text += " and timed";
     if (with("skipped")) text += std::format(", {} skipped", with("skipped"));
     if (with("failed")) text += std::format(", {} failed", with("failed"));

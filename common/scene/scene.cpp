@@ -10,6 +10,8 @@
 
 #include <meshoptimizer.h>
 
+#include "common/core/text.h"
+
 namespace skinbench {
 namespace {
 
@@ -35,7 +37,7 @@ Result<void> checkMesh(const Mesh& mesh, size_t joints) {
                         mesh.normals.size(), mesh.uvs.size(), mesh.influences.size()));
     if (mesh.indices.empty()) return inputError("the mesh has no triangle");
     if (mesh.indices.size() % 3 != 0)
-        return inputError(std::format("{} indices are not whole triangles", mesh.indices.size()));
+        return inputError(counted(mesh.indices.size(), "index", "indices") + ", which is no multiple of 3");
     for (size_t i = 0; i < mesh.indices.size(); ++i)
         if (mesh.indices[i] >= vertices)
             return inputError(std::format("triangle {} names vertex {} of {}", i / 3, mesh.indices[i], vertices));
@@ -263,7 +265,8 @@ Result<void> checkChannel(const Channel& channel, size_t nodes) {
     if (channel.times.empty()) return inputError("has no key");
     const size_t perKey = channel.interpolation == Interpolation::cubicSpline ? 3 : 1;
     if (channel.values.size() != channel.times.size() * perKey)
-        return inputError(std::format("has {} values for {} keys", channel.values.size(), channel.times.size()));
+        return inputError(std::format("has {} for {}", counted(channel.values.size(), "value"),
+                                      counted(channel.times.size(), "key")));
     for (size_t k = 0; k < channel.times.size(); ++k) {
         if (!std::isfinite(channel.times[k])) return inputError(std::format("the time of key {} is not finite", k));
         if (k > 0 && channel.times[k] < channel.times[k - 1])
@@ -317,7 +320,7 @@ Result<Scene> prepareScene(Scene scene, const PrepareOptions& options) {
             std::format("{} influences a vertex cannot be kept; choose 1 to {}", options.influences, kMaxInfluences));
     const uint32_t repaired = normalizeNormals(scene.mesh);
     SKINBENCH_TRY(checkScene(scene));
-    if (repaired > 0) scene.warnings.push_back(std::format("{} normals had no direction; set to +z", repaired));
+    if (repaired > 0) scene.warnings.push_back(counted(repaired, "normal") + " had no direction; set to +z");
 
     const DroppedWeight dropped = cleanWeights(scene.mesh, options.influences);
     if (dropped.max > 0)

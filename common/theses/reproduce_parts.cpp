@@ -4,6 +4,7 @@
 #include <format>
 #include <numeric>
 
+#include "common/core/text.h"
 #include "common/report/report.h"
 
 namespace skinbench {
@@ -122,7 +123,7 @@ std::vector<std::string> timeNotes(const std::vector<const ReproduceRun*>& runs)
     if (intervals)
         notes.push_back("Interval: the smallest and the largest ratio that the 95 % intervals of both medians allow.");
     for (const auto& [what, cases] : left)
-        notes.push_back(std::format("{}: {} ({} case{})", what.first, what.second, cases, cases == 1 ? "" : "s"));
+        notes.push_back(std::format("{}: {} ({})", what.first, what.second, counted(cases, "case")));
     return notes;
 }
 

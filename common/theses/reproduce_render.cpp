@@ -61,7 +61,7 @@ std::vector<std::string> contextLines(const Reproduction& all, const std::vector
                                         ? " - software driver: shows that the path works, not how fast a GPU is"
                                         : ""));
     const Json& settings = results["settings"];
-    lines.push_back(std::format("Copies: {}, at {}x{}; frames a case: {}, in {} rounds.", dumpJson(settings["copies"]),
+    lines.push_back(std::format("Copies: {}, at {}x{}; frames a case: {}; rounds: {}.", dumpJson(settings["copies"]),
                                 dumpJson(settings["width"]), dumpJson(settings["height"]), dumpJson(settings["frames"]),
                                 dumpJson(settings["rounds"])));
     lines.push_back(std::format("{}; {}; skinbench {} ({}).", results["host"]["os"].get<std::string>(),

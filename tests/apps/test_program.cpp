@@ -150,7 +150,10 @@ TEST_CASE("partition prints a table or the command list") {
     CHECK_THAT(table.out, ContainsSubstring("\npasses    " + std::to_string(found["passes"].get<int>()) + "\n"));
 
     const Words bent = {"partition", "builtin:biped:4000", "--hardware", "rigid"};
-    checkRefused(call(bent), 2, "but rigid has 1 palette slot; keep fewer influences a vertex (--influences)");
+    checkRefused(
+        call(bent), 2,
+        "but a draw has 1 palette slot; choose fewer influences a vertex (--influences) or hardware with more slots "
+        "(--hardware, --slots)");
     CHECK(call({"partition", "builtin:robot:2000", "--hardware", "rigid", "--solver", "simple"}).status == 0);
 }
 

@@ -72,7 +72,7 @@ TEST_CASE("broken glTF files") {
         {"POSITION: vertex 1 is not finite",
          [](Gltf& g) { g.poke<float>(0, 4, std::numeric_limits<float>::quiet_NaN()); }},
         {"names joint 9, but skin 0 has 2 joints", [](Gltf& g) { g.poke<uint8_t>(3, 8, 9); }},
-        {"index 3 is vertex 4", [](Gltf& g) { g.poke<uint16_t>(5, 3, 4); }},
+        {"index 3 names vertex 4", [](Gltf& g) { g.poke<uint16_t>(5, 3, 4); }},
         {"nodes form a cycle", [](Gltf& g) { g.tree["nodes"][2]["children"] = {1}; }},
         {"go past", [](Gltf& g) { g.tree["bufferViews"][0]["byteLength"] = 1'000'000; }},
         {"281474976710656 elements", [](Gltf& g) { g.tree["accessors"][0]["count"] = 281474976710656; }},
@@ -278,7 +278,7 @@ TEST_CASE("a picture that is not right is drawn with a warning, and verify fails
     CHECK(fs::exists(pathOf("wrong.png")));
     const Outcome verified = call({"verify", "builtin:biped:2000", "--case", "vk/vertex/uc", "--size", "64x64"}, wrong);
     CHECK(verified.status == 1);
-    CHECK_THAT(verified.err, ContainsSubstring("1 of 1 cases failed; the first, vk/vertex/uc: positions are off by "));
+    CHECK_THAT(verified.err, ContainsSubstring("1 of 1 case failed; the first, vk/vertex/uc: positions are off by "));
 }
 
 TEST_CASE("a shader that is missing, or a folder in its place, is one line that names it") {

@@ -69,6 +69,14 @@ TEST_CASE("text in a page is no markup") {
     CHECK(htmlText("x\xFF") == "x\uFFFD");
 }
 
+TEST_CASE("a number of things is in words that fit it") {
+    CHECK(counted(0, "case") == "0 cases");
+    CHECK(counted(1, "case") == "1 case");
+    CHECK(counted(2, "case") == "2 cases");
+    CHECK(counted(1, "vertex", "vertices") == "1 vertex");
+    CHECK(counted(56'842, "vertex", "vertices") == "56842 vertices");
+}
+
 TEST_CASE("JSON takes any bytes and steers no terminal") {
     const Json json = {{"caf\xE9", "a\x1b\x7f\xC2\x9B"}};
     CHECK(dumpJson(json, -1) == "{\"caf\uFFFD\":\"a\\u001b\\u007f\\u009b\"}");
@@ -77,10 +85,10 @@ TEST_CASE("JSON takes any bytes and steers no terminal") {
 
 TEST_CASE("JSON is bounded before it is parsed") {
     CHECK(checkJsonShape("{\"a\": [[1, 2], {\"b\": \"[[[{{{::::\\\"{\"}]}", {4, 1}));
-    CHECK(checkJsonShape("[[]]", {1, 1}).error().text == "nests its JSON deeper than 1 levels");
+    CHECK(checkJsonShape("[[]]", {1, 1}).error().text == "nests its JSON deeper than 1 level");
     CHECK(checkJsonShape("[[], [], []]", {2, 1}));
     CHECK(checkJsonShape("[{\"a\": 1}, {\"a\": 1, \"b\": 2}]", {9, 2}));
     CHECK(checkJsonShape("{\"a\": {\"x\": 1}, \"b\": 1}", {9, 1}).error().text ==
-          "holds an object with more than 1 keys");
+          "holds an object with more than 1 key");
     CHECK(checkJsonShape("]]]}}}:::"));
 }

@@ -308,12 +308,12 @@ TEST_CASE("a triangle that does not fit is one clear error") {
             REQUIRE(!plan);
             CHECK(plan.error().fault == Fault::input);
             CHECK_THAT(plan.error().text,
-                       ContainsSubstring("triangle 2 needs 4 joints at once, but generic has 3 palette slots"));
+                       ContainsSubstring("triangle 2 needs 4 joints at once, but a draw has 3 palette slots"));
             CHECK_THAT(plan.error().text, ContainsSubstring("--influences"));
         }
     const auto rigid = partitionMesh(mesh, *findPaletteHardware("rigid"), kSimple, kGiven);
     REQUIRE(!rigid);
-    CHECK_THAT(rigid.error().text, ContainsSubstring("rigid has 1 palette slot;"));
+    CHECK_THAT(rigid.error().text, ContainsSubstring("a draw has 1 palette slot;"));
 }
 
 TEST_CASE("rigid hardware draws a robot joint by joint") {

@@ -262,11 +262,11 @@ TEST_CASE("a guard that compares nothing fails") {
           std::vector<std::string>{"1 of 2 cases is ok in A and missing in B; the first, y"});
     const Json few = file({timed("x", spread(10, 0.01, 5))});
     CHECK(worse(few, few, false) ==
-          std::vector<std::string>{"1 of 1 cases has too few samples to be compared; the first, x"});
+          std::vector<std::string>{"1 of 1 case has too few samples to be compared; the first, x"});
     const Json skipped = file({untimed("x", "skipped", "no GPU")}), failed = file({untimed("x", "failed", "wrong")});
     CHECK(worse(skipped, skipped, false) == std::vector{nothing});
     CHECK(worse(skipped, failed, false) ==
-          std::vector<std::string>{"1 of 1 cases failed in B and was not ok in A; the first, x, failed: wrong"});
+          std::vector<std::string>{"1 of 1 case failed in B and was not ok in A; the first, x, failed: wrong"});
 }
 
 TEST_CASE("worse is a whole interval above what is allowed and above noise") {

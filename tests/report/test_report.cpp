@@ -217,7 +217,7 @@ TEST_CASE("warnings: clocks that moved, a build that is no release, rounds that 
     results[0].roundSizes = {10, 10};
     results[0].figures = figuresOf(results[0]);
     REQUIRE(figureWarnings(context, results).size() == 1);
-    CHECK_THAT(figureWarnings(context, results)[0], ContainsSubstring("1 of 1 cases drifted"));
+    CHECK_THAT(figureWarnings(context, results)[0], ContainsSubstring("1 of 1 case drifted"));
     for (double& sample : results[0].total) sample = 1;
     results[0].figures = figuresOf(results[0]);
     CHECK(figureWarnings(context, results).empty());

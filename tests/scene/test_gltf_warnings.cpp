@@ -120,7 +120,7 @@ const std::vector<Warned> kCases = {
          g.tree["animations"].push_back(g.tree["animations"][0]);
          g.tree["animations"][1]["channels"][0]["sampler"] = 7;
      }},
-    {"animation 1 must be an object; it and 1 more clips were left out",
+    {"animation 1 must be an object; it and 1 more clip were left out",
      [](Gltf& g) {
          g.tree["animations"].push_back(5);
          g.tree["animations"].push_back({{"channels", 3}, {"samplers", 4}});

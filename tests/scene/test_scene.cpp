@@ -155,7 +155,7 @@ TEST_CASE("checkScene finds each fault") {
     };
     CHECK_THAT(fault([](Scene& s) { s.mesh.uvs.pop_back(); }), ContainsSubstring("differ in length"));
     CHECK_THAT(fault([](Scene& s) { s.mesh.indices.clear(); }), ContainsSubstring("no triangle"));
-    CHECK_THAT(fault([](Scene& s) { s.mesh.indices.pop_back(); }), ContainsSubstring("not whole triangles"));
+    CHECK_THAT(fault([](Scene& s) { s.mesh.indices.pop_back(); }), ContainsSubstring("no multiple of 3"));
     CHECK_THAT(fault([](Scene& s) { s.mesh.indices[4] = 4; }), ContainsSubstring("triangle 1 names vertex 4 of 4"));
     CHECK_THAT(fault([&](Scene& s) { s.mesh.positions[1].y = infinity; }), ContainsSubstring("vertex 1: the position"));
     CHECK_THAT(fault([&](Scene& s) { s.mesh.normals[1].y = infinity; }), ContainsSubstring("vertex 1: the normal"));
@@ -176,7 +176,7 @@ TEST_CASE("checkScene finds each fault") {
     CHECK_THAT(fault([](Scene& s) { s.parts[0].indexCount = 9; }), ContainsSubstring("index range"));
     CHECK_THAT(fault([](Scene& s) { s.clips[0].channels[0].times = {1, 0}; }), ContainsSubstring("do not ascend"));
     CHECK_THAT(fault([](Scene& s) { s.clips[0].channels[0].values.pop_back(); }),
-               ContainsSubstring("1 values for 2 keys"));
+               ContainsSubstring("1 value for 2 keys"));
     CHECK_THAT(fault([](Scene& s) { s.clips[0].channels[0].node = 3; }), ContainsSubstring("names node 3 of 3"));
     CHECK_THAT(fault([&](Scene& s) { s.clips[0].channels[0].values[0].x = infinity; }),
                ContainsSubstring("clip bend: channel 0"));

@@ -5,6 +5,7 @@
 #include <format>
 #include <set>
 
+#include "common/core/text.h"
 #include "common/core/utf8.h"
 
 namespace skinbench {
@@ -126,9 +127,10 @@ Result<void> addClips(const tinygltf::Model& model, const GltfFaults& faults, Gl
         scene.warnings.emplace_back("its animations move no node; the rest pose is drawn");
     if (broken.empty()) return {};
     if (scene.clips.empty()) return inputError(broken.front());
-    scene.warnings.push_back(
-        broken.front() + (broken.size() == 1 ? "; the clip was left out"
-                                             : std::format("; it and {} more clips were left out", broken.size() - 1)));
+    scene.warnings.push_back(broken.front() +
+                             (broken.size() == 1
+                                  ? "; the clip was left out"
+                                  : "; it and " + counted(broken.size() - 1, "more clip") + " were left out"));
     return {};
 }
 

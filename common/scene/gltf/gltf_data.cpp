@@ -8,6 +8,7 @@
 
 #include "common/scene/gltf/meshopt_decode.h"
 
+#include "common/core/text.h"
 #include "common/core/utf8.h"
 
 namespace skinbench {
@@ -52,12 +53,13 @@ Result<GltfElements> locate(GltfData& data, int index, uint64_t offset, uint64_t
     SKINBENCH_TRY(view);
     const uint64_t stride = (*view)->stride ? (*view)->stride : elementBytes;
     if (stride < elementBytes)
-        return inputError(std::format("byteStride {} is smaller than an element of {} bytes", stride, elementBytes));
+        return inputError(
+            std::format("byteStride {} is smaller than an element of {}", stride, counted(elementBytes, "byte")));
     const uint64_t size = (*view)->bytes.size();
     // Elements are a byte at least and do not overlap, so count <= size, and the product below stays under 2^64.
     if (offset > size || count > size || offset + (count ? (count - 1) * stride + elementBytes : 0) > size)
-        return inputError(
-            std::format("{} elements at byte {} go past the {} bytes of bufferView {}", count, offset, size, index));
+        return inputError(std::format("{} at byte {} {} past the {} of bufferView {}", counted(count, "element"),
+                                      offset, count == 1 ? "goes" : "go", counted(size, "byte"), index));
     return GltfElements{(*view)->bytes.data() + offset, stride};
 }
 
@@ -171,7 +173,7 @@ Result<void> decodeBytes(const CompressedView& view, std::vector<uint8_t>& out) 
     if (view.stride != 2 && view.stride != 4)
         return inputError(std::format("byteStride {} of indices must be 2 or 4", view.stride));
     if (view.mode == "TRIANGLES" && view.count % 3 != 0)
-        return inputError(std::format("{} indices are not whole triangles", view.count));
+        return inputError(counted(view.count, "index", "indices") + ", which is no multiple of 3");
     using Decode = int (*)(void*, size_t, size_t, const unsigned char*, size_t);
     const Decode decode =
         view.mode == "TRIANGLES" ? Decode{meshopt_decodeIndexBuffer} : Decode{meshopt_decodeIndexSequence};
@@ -215,8 +217,9 @@ Result<const GltfColumn*> openColumn(GltfData& data, int accessor, int component
     if (!source.fault.empty()) return inputError(source.fault);
     const std::string where = std::format("accessor {}: ", accessor);
     if (source.components != components)
-        return inputError(where +
-                          std::format("has {} components an element, {} are needed", source.components, components));
+        return inputError(where + std::format("has {} an element, {} {} needed",
+                                              counted(source.components, "component"), components,
+                                              components == 1 ? "is" : "are"));
     std::unique_ptr<GltfColumn>& opened = data.columns[accessor];
     if (!opened) {
         auto made = makeColumn(data, source);

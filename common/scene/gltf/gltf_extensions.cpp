@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <format>
 
+#include "common/core/text.h"
 #include "common/core/utf8.h"
 
 namespace skinbench {
@@ -107,8 +108,8 @@ std::vector<std::string> describe(const FoundExtensions& found) {
     for (const auto& [name, count] : found.counts) {
         const GltfExtension* row = findGltfExtension(name);
         if (row && row->role == ignored)
-            texts.push_back(std::format("{} is ignored in {} {}: {}", shortText(name, 80), count,
-                                        count == 1 ? "place" : "places", row->effect));
+            texts.push_back(
+                std::format("{} is ignored in {}: {}", shortText(name, 80), counted(count, "place"), row->effect));
         if (!row && ++unknownCount <= kNamed) unknown += (unknown.empty() ? "" : ", ") + shortText(name, 80);
     }
     if (unknownCount > kNamed) unknown += std::format(" and {} more", unknownCount - kNamed);

@@ -6,6 +6,7 @@
 
 #include <nlohmann/json.hpp>
 
+#include "common/core/text.h"
 #include "common/core/utf8.h"
 #include "common/scene/gltf/gltf_uri.h"
 
@@ -102,7 +103,8 @@ Result<std::span<const uint8_t>> loadBuffer(GltfFile& file, json& buffer, size_t
         return inputError("has no uri, and the file has no binary chunk for it");
     }
     if (bytes.size() < length)
-        return inputError(std::format("byteLength is {}, but there are only {} bytes", length, bytes.size()));
+        return inputError(std::format("byteLength is {}, but there {} only {}", length,
+                                      bytes.size() == 1 ? "is" : "are", counted(bytes.size(), "byte")));
     return bytes.first(length);
 }
 

@@ -7,6 +7,8 @@
 #include <numeric>
 #include <span>
 
+#include "common/core/text.h"
+
 namespace skinbench {
 namespace {
 
@@ -22,7 +24,8 @@ int find(const GltfPrimitive& primitive, const std::string& name) {
 Result<const GltfColumn*> checkColumn(Result<const GltfColumn*> column, const std::string& name, uint64_t vertices) {
     if (!column) return std::unexpected(Error{column.error().fault, name + ": " + column.error().text});
     if ((*column)->count != vertices)
-        return inputError(std::format("{} has {} elements, POSITION has {}", name, (*column)->count, vertices));
+        return inputError(
+            std::format("{} has {}, POSITION has {}", name, counted((*column)->count, "element"), vertices));
     return column;
 }
 
@@ -61,7 +64,7 @@ Result<std::vector<uint32_t>> readIndices(GltfData& data, const GltfPrimitive& p
     for (uint64_t i = 0; column && i < count; ++i) {
         readElement(*column, i, &indices[i]);
         if (indices[i] >= vertices)
-            return inputError(std::format("index {} is vertex {}, but there are {} vertices", i, indices[i], vertices));
+            return inputError(std::format("index {} names vertex {} of {}", i, indices[i], vertices));
     }
     return indices;
 }
@@ -69,7 +72,7 @@ Result<std::vector<uint32_t>> readIndices(GltfData& data, const GltfPrimitive& p
 Result<std::vector<uint32_t>> toTriangles(std::vector<uint32_t> indices, int mode) {
     if (mode == kTriangles) {
         if (indices.size() % 3 != 0)
-            return inputError(std::format("{} indices are not whole triangles", indices.size()));
+            return inputError(counted(indices.size(), "index", "indices") + ", which is no multiple of 3");
         return indices;
     }
     std::vector<uint32_t> triangles;

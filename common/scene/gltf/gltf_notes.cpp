@@ -2,6 +2,7 @@
 
 #include <format>
 
+#include "common/core/text.h"
 #include "common/scene/scene.h"
 
 namespace skinbench {
@@ -67,9 +68,8 @@ std::string special(GltfNote note, const GltfNotes& notes, uint64_t count) {
     switch (note) {
         case GltfNote::overfull:
             return std::format(
-                "more than {} influences in {} vertices; the largest {} were kept, and a vertex lost up "
-                "to {:.3g} of its weight",
-                kMaxInfluences, count, kMaxInfluences, notes.overfullMax);
+                "more than {} influences in {}; the largest {} were kept, and a vertex lost up to {:.3g} of its weight",
+                kMaxInfluences, counted(count, "vertex", "vertices"), kMaxInfluences, notes.overfullMax);
         case GltfNote::morphs:
             return "morph targets are ignored";
         case GltfNote::unknownTargets:
@@ -89,7 +89,7 @@ std::vector<std::string> describe(const GltfNotes& notes) {
         const uint64_t count = notes.counts[i];
         if (count == 0) continue;
         std::string text = special(static_cast<GltfNote>(i), notes, count);
-        if (text.empty()) text = std::format("{} {}", count, count == 1 ? kWords[i].one : kWords[i].many);
+        if (text.empty()) text = counted(count, kWords[i].one, kWords[i].many);
         texts.push_back(std::move(text));
     }
     return texts;

@@ -8,6 +8,7 @@
 
 #include <tiny_gltf.h>
 
+#include "common/core/text.h"
 #include "common/core/utf8.h"
 #include "common/scene/gltf/gltf_clips.h"
 #include "common/scene/gltf/gltf_data.h"
@@ -48,8 +49,8 @@ Result<std::span<const uint8_t>> bytesOf(const GltfFile& file, uint64_t buffer, 
     if (!file.buffers[buffer].fault.empty()) return inputError(file.buffers[buffer].fault);
     const auto bytes = file.buffers[buffer].bytes;
     if (offset > bytes.size() || length > bytes.size() - offset)
-        return inputError(
-            std::format("{} bytes at {} go past the {} bytes of buffer {}", length, offset, bytes.size(), buffer));
+        return inputError(std::format("{} at {} {} past the {} of buffer {}", counted(length, "byte"), offset,
+                                      length == 1 ? "goes" : "go", counted(bytes.size(), "byte"), buffer));
     return bytes.subspan(offset, length);
 }
 
@@ -167,8 +168,9 @@ Result<uint32_t> addSkin(Importer& in, int index) {
         matrices = std::move(*read);
         if (in.data.accessors[skin.inverseBindMatrices].component != kGltfF32) in.notes.add(GltfNote::forbiddenFormats);
         if (matrices.size() < skin.joints.size() * 16)
-            return inputError(where + std::format("has {} joints but {} inverse bind matrices", skin.joints.size(),
-                                                  matrices.size() / 16));
+            return inputError(
+                where + std::format("has {} but {}", counted(skin.joints.size(), "joint"),
+                                    counted(matrices.size() / 16, "inverse bind matrix", "inverse bind matrices")));
     }
     const auto first = static_cast<uint32_t>(skeleton.joints.size());
     for (size_t j = 0; j < skin.joints.size(); ++j) {
@@ -261,8 +263,8 @@ Result<void> appendVertices(Importer& in, const GltfVertices& vertices, const In
         Influences influences = source.influences[v];
         for (int k = 0; k < kMaxInfluences; ++k) {
             if (influences.joints[k] >= joints && influences.weights[k] > 0)
-                return inputError(std::format("vertex {} names joint {}, but skin {} has {} joints",
-                                              vertices.fileVertex[v], influences.joints[k], instance.skin, joints));
+                return inputError(std::format("vertex {} names joint {}, but skin {} has {}", vertices.fileVertex[v],
+                                              influences.joints[k], instance.skin, counted(joints, "joint")));
             const uint32_t local = influences.joints[k] < joints ? influences.joints[k] : 0;
             influences.joints[k] = static_cast<uint16_t>(first + local);
         }
@@ -329,9 +331,9 @@ void warnOfMirroredJoints(const Importer& in, const std::vector<Instance>& insta
     }
     if (other > 0)
         in.scene.warnings.push_back(std::format(
-            "{} of {} joints mirror the mesh where its node does not, or the other way round; the node decides which "
-            "side is the front, so parts may be drawn inside out",
-            other, all));
+            "{} of {} {} the mesh where its node does not, or the other way round; the node decides which side is the "
+            "front, so parts may be drawn inside out",
+            other, counted(all, "joint"), other == 1 ? "mirrors" : "mirror"));
 }
 
 // Once the scene is built: what used a broken part was an error.
