@@ -131,6 +131,7 @@ double effect(const ComparedCase& compared) { return compared.ratio ? std::abs(s
 Comparison startComparison(const Json& a, const Json& b) {
     Comparison comparison;
     comparison.differences = differencesOf(a, b);
+    comparison.drawn = drawnDifferences(a, b);
     auto floorOf = [](const Json& results) {
         const Json floor = results.value("noise_floor", Json(nullptr));
         return floor.is_null() ? std::optional<double>() : floor.get<double>();
@@ -408,6 +409,13 @@ std::string comparisonText(const Comparison& comparison, size_t width) {
     std::string text;
     for (const std::string& difference : comparison.differences)
         text += wrapText("differs: " + difference, width, 9) + "\n";
+    if (!comparison.drawn.empty()) {
+        std::string words;
+        for (const std::string& word : comparison.drawn) words += (words.empty() ? "" : ", ") + word;
+        text += wrapText("! A and B do not draw the same (" + words + "): B/A says nothing about which is faster",
+                         width, 2) +
+                "\n";
+    }
     text +=
         std::format("noise floor: {:.2f} %{}\n", comparison.noiseFloor * 100,
                     comparison.noiseFloorMeasured ? "" : " (0.30 % stands for a file that did not measure its own)");

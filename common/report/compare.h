@@ -63,6 +63,7 @@ struct ComparedCase {
 
 struct Comparison {
     std::vector<std::string> differences;  // of scene, devices, settings, host and program, a line each
+    std::vector<std::string> drawn;        // drawnDifferences()
     double noiseFloor = kDefaultNoiseFloor;
     bool noiseFloorMeasured = false;    // in both files
     bool placementCovered = true;       // false: a file kept its cases in place and measured no noise floor

@@ -387,6 +387,27 @@ Json resultsJson(const RunContext& context, const std::vector<CaseResult>& resul
             {"cases", cases}};
 }
 
+const std::vector<DrawnFact>& drawnFacts() {
+    static const std::vector<DrawnFact> facts = {
+        {"scene", "name"},       {"scene", "vertices"},  {"scene", "triangles"},
+        {"scene", "joints"},     {"settings", "copies"}, {"settings", "width"},
+        {"settings", "height"},  {"settings", "camera"}, {"settings", "character_pixels"},
+        {"settings", "geometry"}};
+    return facts;
+}
+
+std::vector<std::string> drawnDifferences(const Json& a, const Json& b) {
+    std::vector<std::string> words;
+    for (const auto& [group, key] : drawnFacts()) {
+        const Json inA = a.value(group, Json::object()), inB = b.value(group, Json::object());
+        if (!inA.contains(key) || !inB.contains(key) || inA[key] == inB[key]) continue;
+        std::string word = group == std::string("scene") ? "scene" : key;
+        std::ranges::replace(word, '_', ' ');
+        if (!std::ranges::contains(words, word)) words.push_back(word);
+    }
+    return words;
+}
+
 static void addMissing(Json& to, const Json& from) {
     for (const auto& [name, value] : from.items())
         if (!to.contains(name)) to[name] = value;

@@ -68,6 +68,15 @@ nlohmann::ordered_json routeTableJson();
 
 nlohmann::ordered_json capsJson(const DeviceCaps& caps);
 
+// Facts of a result file, each a group of it and a key, that say what its cases draw.
+struct DrawnFact {
+    const char *group, *key;
+};
+const std::vector<DrawnFact>& drawnFacts();
+
+// "scene", "copies": which of them two files both have, and differ in. Such times say nothing about which is faster.
+std::vector<std::string> drawnDifferences(const nlohmann::ordered_json& a, const nlohmann::ordered_json& b);
+
 // What a device of a result file is called among others of its machine: its label, in older files its name.
 std::string deviceLabel(const nlohmann::ordered_json& device);
 

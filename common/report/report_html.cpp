@@ -30,7 +30,10 @@ static std::string resultsElement(const Json& results, const std::string& name) 
 
 std::string reportHtml(const std::vector<Json>& results, const std::vector<std::string>& names) {
     static const std::string page = kReportPage, place = "{{results}}";
-    std::string elements = jsonElement("id=\"tables\"", {{"routes", routeTableJson()}, {"columns", columnsJson()}});
+    Json drawn = Json::array();
+    for (const auto& [group, key] : drawnFacts()) drawn.push_back({{"group", group}, {"key", key}});
+    std::string elements = jsonElement(
+        "id=\"tables\"", {{"routes", routeTableJson()}, {"columns", columnsJson()}, {"drawn", std::move(drawn)}});
     for (size_t i = 0; i < results.size(); ++i)
         elements += resultsElement(results[i], i < names.size() ? names[i] : std::string());
     const size_t at = page.find(place);

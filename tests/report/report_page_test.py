@@ -355,6 +355,9 @@ def main():
         compared = browser.value("document.getElementById('files').innerText")
         check("settings: copies\t7\t9\t7" in compared and "width" not in compared, f"settings that differ are named: {compared}")
         check(os.path.join(folder, "two_1.json") in compared, "files are named as they were typed")
+        warnings = browser.value("[...document.querySelectorAll('#files .banner')].map((e) => e.textContent)")
+        check(len(warnings) == 1 and "two_1.json does not draw what" in warnings[0] and "(copies)" in warnings[0],
+              f"files that draw something else are warned of: {warnings}")
         medians = browser.value(ROWS + ".filter((r) => r.className === 'software')"
                                 ".map((r) => r.children[2].textContent)")
         check(len(medians) == 16 and all(value == "–" or value.endswith("*") for value in medians),
@@ -365,7 +368,12 @@ def main():
         for digit, file in zip("12", cards):
             for device in file["devices"]:
                 device["uuid"] = digit * 8 + "-0000-0000-0000-000000000000"
-        browser.open(make(skinbench, folder, "cards", cards))
+                device["driver"] = "a driver whose name and version take a whole line of a wide window 580.159.04"
+        browser.open(make(skinbench, folder, "cards", cards), 1200)
+        check(browser.value("(() => { const box = document.querySelector('.differences .wide'); "
+                            "return box.textContent.includes('22222222') && box.scrollWidth <= box.clientWidth; })()"),
+              "what differs between two files is seen whole")
+        check(not browser.value("document.querySelector('#files .banner')"), "two cards that draw the same: no warning")
         check(browser.value("document.querySelector('h1').textContent") == "hero <b> on 2 devices",
               "two cards of one name are two devices")
         check("Card <1> (UUID 22222222…)" in browser.value("document.body.textContent"), "and named apart")

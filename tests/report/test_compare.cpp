@@ -436,6 +436,23 @@ TEST_CASE("two cards of one name differ") {
     CHECK(compareResults(a, b)->differences.empty());
 }
 
+TEST_CASE("a comparison of files that draw something else has a line that warns of it") {
+    const Json a = file({timed("x", spread(10, 0.01, 20))});
+    Json b = a;
+    b["settings"]["frames"] = 40;
+    CHECK_FALSE(comparisonText(comparisonOf(a, b)).contains("\n! "));
+    b["scene"] = {{"name", "villain"}, {"vertices", 90}};
+    b["settings"]["copies"] = 8;
+    CHECK(drawnDifferences(a, b) == std::vector<std::string>{"scene", "copies"});
+    CHECK_THAT(comparisonText(comparisonOf(a, b)),
+               ContainsSubstring("\n! A and B do not draw the same (scene, copies): B/A says nothing about which is "
+                                 "faster\n"));
+    // What one of them does not say is no difference.
+    b = a;
+    b["settings"].erase("copies");
+    CHECK(drawnDifferences(a, b).empty());
+}
+
 TEST_CASE("software drivers are marked in a comparison") {
     Json a = file({timed("x", spread(10, 0.01, 20))});
     const Json b = a;

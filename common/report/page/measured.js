@@ -278,14 +278,28 @@ function filesChart() {
         for (const [route, own] of groupBy(pairs, ({row}) => row.route))
             groups.push({label: `${file.label}: ${route}`, pairs: own});
     }
-    if (!groups.length) return null;
-    return ratioChart({
+    if (!groups.length) return [];
+    const others = files
+        .map((file) => ({file, differ: drawnDifferences(first, file).join(", ")}))
+        .filter(({differ}) => differ);
+    const warnings = others.map(({file, differ}) =>
+        h(
+            "p",
+            {class: "banner"},
+            h("strong", {}, "Warning: "),
+            `${file.label} does not draw what ${first.label} draws (${differ}): ` +
+                "its ratios say nothing about which is faster.",
+        ),
+    );
+    const chart = ratioChart({
         title: `Ratio to ${first.label}`,
         groups,
         note:
-            `The same case in each file over that in ${first.label}; left of 1 is faster. ` +
+            `The same case in each file over that in ${first.label}; left of 1 is faster` +
+            `${others.length ? " where the same is drawn" : ""}. ` +
             '"skinbench compare" tells differences from noise.',
     });
+    return [...warnings, chart];
 }
 
 // Every setting, device and fact of the scene that is not the same in all files, with its values.
@@ -315,7 +329,7 @@ function differencesTable() {
     return rows.length
         ? [
               note("The files differ in:"),
-              h("div", {class: "wide"}, plainTable({head: ["", ...files.map((file) => file.label)], rows})),
+              h("div", {class: "differences"}, plainTable({head: ["", ...files.map((file) => file.label)], rows})),
           ]
         : [note("Scene, devices, settings and revision are the same in all files.")];
 }

@@ -10,7 +10,8 @@ const numbers = (value) => list(value).filter((entry) => number(entry) !== null)
 const text = (value) =>
     typeof value === "string" ? value : value === null || value === undefined ? "" : JSON.stringify(value);
 
-// What the program that made this page knows of every file: the routes, and the columns of the table of all cases.
+// What the program that made this page knows of every file: the routes, the columns of the table of all cases, and the
+// facts that say what a file's cases draw.
 const tables = JSON.parse(document.getElementById("tables").textContent);
 
 // Known names first, in their order, others behind them.
@@ -187,6 +188,14 @@ function readFiles() {
     });
     return files;
 }
+
+// As drawnDifferences of report.h.
+const drawnDifferences = (a, b) =>
+    unique(
+        tables.drawn
+            .filter(({group, key}) => key in a[group] && key in b[group] && text(a[group][key]) !== text(b[group][key]))
+            .map(({group, key}) => (group === "scene" ? "scene" : key.replaceAll("_", " "))),
+    );
 
 const fastest = (rows) => rows.reduce((best, row) => (!best || row.gpu.median < best.gpu.median ? row : best), null);
 

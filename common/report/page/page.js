@@ -111,7 +111,7 @@ document
                     anySoftware ? ` ${kSoftwareNote}.` : "",
                 ),
             ),
-            section("files", "Files compared", files.length > 1 ? [filesChart(), ...differencesTable()] : null),
+            section("files", "Files compared", files.length > 1 ? [...filesChart(), ...differencesTable()] : null),
             chosenCharts(),
             section("cases", "All cases", caseTable(files), anySoftware ? note(kSoftwareNote) : null),
             section("not-run", "Skipped and failed", notRun()),
