@@ -116,11 +116,18 @@ void main() {
 #endif
     }
 #else
-    uint last = meshlet.vertexCount - 1u, next = 0u;
-    if (LOADS_AHEAD) next = meshletVertexId(meshlet, min(gl_LocalInvocationID.x, last));
+#if !RECORDS_ORDERED
+    // The next vertex's id is on its way while this one is skinned: not every compiler moves the load there by itself
+    // (docs/studies/zero_weights.md).
+    uint next = meshletVertexId(meshlet, min(gl_LocalInvocationID.x, meshlet.vertexCount - 1u));
+#endif
     for (uint i = gl_LocalInvocationID.x; i < meshlet.vertexCount; i += uint(GROUP_SIZE)) {
-        uint id = LOADS_AHEAD ? next : meshletVertexId(meshlet, i);
-        if (LOADS_AHEAD) next = meshletVertexId(meshlet, min(i + uint(GROUP_SIZE), last));
+#if RECORDS_ORDERED
+        uint id = meshletVertexId(meshlet, i);
+#else
+        uint id = next;
+        next = meshletVertexId(meshlet, min(i + uint(GROUP_SIZE), meshlet.vertexCount - 1u));
+#endif
         LaneVertex made = makeVertex(meshlet, i, id);
         writeVertex(meshlet, i, made);
         saveVertex(meshlet, made);

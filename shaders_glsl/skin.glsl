@@ -41,7 +41,7 @@ void addInfluence(inout Blend blend, uint firstRow, float weight) {
 }
 
 // The first `count` of four influences; a constant 4 leaves no test. NVIDIA's compilers order the loads by how this is
-// written, and neither form is the faster one for both methods (docs/studies/zero_weights.md).
+// written, and neither form is the faster one for both methods (docs/studies/palette_rows.md).
 void addFour(inout Blend blend, uint copyNumber, uvec4 joints, vec4 weights, uint count) {
     uvec4 rows = (joints + SKIN_FIRST_JOINT(copyNumber)) * uint(PALETTE_ROWS);
 #if METHOD == METHOD_DQS
