@@ -52,7 +52,7 @@ std::string fastestText(const Writer& writer, const Json& answer) {
     const std::string baseline = textOf(writer.results["baseline"]);
     if (answer["first"] == answer["second"]) return text + ", itself the baseline";
     if (answer["ratio"].is_null()) return text;
-    text += "; " + ratioText(answer) + " of " + (findVariant(baseline) ? baseline : "the baseline");
+    text += "; " + ratioText(answer) + " of " + (findVariant(baseline) ? baseline + ", same API" : "the baseline");
     return text + (answer["first_is"] == "same" ? ", not told apart" : "");
 }
 
@@ -132,11 +132,13 @@ std::string answersText(const Json& results, const SharedParts& shared, size_t w
     for (const Json& row : results["cases"])
         software = software || (isSoftware(results, row) && !row["gpu_ms"].is_null());
     if (std::ranges::any_of(answers, isPair))
-        text += wrapText(
-                    "Ratios are of the fastest case of each, with 95 % intervals; not told apart: the interval "
-                    "holds 1, or the difference is within the noise floor.",
-                    width, 0) +
-                "\n";
+        text +=
+            wrapText(
+                "Ratios are of the fastest case of each, with 95 % intervals; not told apart: the interval "
+                "holds 1, or the difference is within the noise floor. Of stages, palette counts as vertex, mesh-ci "
+                "as mesh, compute-cull and compute-mesh as compute.",
+                width, 0) +
+            "\n";
     if (results.contains("noise_floor") && results["noise_floor"].is_number())
         text += std::format("equal cases differ by {:.2f} % at the most: smaller differences mean nothing\n",
                             results["noise_floor"].get<double>() * 100);

@@ -1,5 +1,6 @@
 // Results as lines for people.
 #include <algorithm>
+#include <array>
 #include <format>
 #include <map>
 
@@ -89,11 +90,20 @@ std::string sentence(const Json& results) {
 std::string headerOf(const Table& table, const Column& column) {
     if (column.per != "baseline_ms") return column.terminal->header;
     const std::string baseline = textOf(table.results["baseline"]);
-    return findVariant(baseline) ? "of " + baseline : "of baseline";
+    return findVariant(baseline) ? "of " + baseline + ", same API" : "of baseline";
+}
+
+// On a terminal a header with a comma has two lines; all others are in the second one.
+std::array<std::string, 2> headerLines(const Table& table, const Column& column) {
+    const std::string header = headerOf(table, column), mark = column.terminal->marked ? " " : "";
+    const size_t comma = table.width ? header.find(", ") : std::string::npos;
+    if (comma == std::string::npos) return {"", header + mark};
+    return {header.substr(0, comma + 1) + mark, header.substr(comma + 2) + mark};
 }
 
 size_t widthOf(const Table& table, const Column& column) {
-    return std::max(static_cast<size_t>(column.terminal->width), headerOf(table, column).size());
+    const auto [above, below] = headerLines(table, column);
+    return std::max({static_cast<size_t>(column.terminal->width), above.size(), below.size()});
 }
 
 std::string cellOf(const Table& table, const Column& column, const Json& row) {
@@ -188,10 +198,12 @@ std::string blockText(const Table& table, const Rows& rows) {
 std::string casesText(const Table& table, const Rows& rows) {
     std::vector<std::string> works = worksOf(table.results);
     if (works.empty()) works.emplace_back();
-    std::string text = tableLine(
-        table, table.width ? "" : "case",
-        [&](const Column& column) { return headerOf(table, column) + (column.terminal->marked ? " " : ""); },
-        table.width ? "" : "status");
+    std::string text;
+    for (const size_t i : {0u, 1u})
+        text += tableLine(
+            table, table.width || i == 0 ? "" : "case",
+            [&](const Column& column) { return headerLines(table, column)[i]; }, table.width || i == 0 ? "" : "status");
+    text.erase(0, text.find_first_not_of('\n'));
     for (const std::string& work : works) {
         Rows own;
         for (const Json* row : rows)

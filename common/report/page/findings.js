@@ -145,7 +145,7 @@ function findingsTable() {
     const headings = [
         heading("scene and work"),
         heading("fastest case"),
-        numberHeading("of vertex", "×"),
+        numberHeading("of the fastest vertex", "×"),
         variants.map((variant) => numberHeading([swatch(variant), variant], "ms")),
     ].flat();
     return region("Fastest paths", tableOf({class: "findings"}, headings, lines));

@@ -103,10 +103,10 @@ document
                 findingsTable() || note("No case has a time."),
                 note(
                     "Milliseconds a frame for all copies, median; each variant's fastest case, and the ratio of the " +
-                        "fastest of all to the fastest of vertex. Every case was checked against a double-precision CPU reference " +
-                        "before it was timed.",
+                        "fastest of all to the fastest case of the variant vertex on any API. Every case was checked " +
+                        "against a double-precision CPU reference before it was timed.",
                     anyCodecs
-                        ? " Codecs are rivals here, though they differ in accuracy; the table of all cases tells it."
+                        ? " Codecs are rivals here, though they differ in accuracy; the table of all cases shows it."
                         : "",
                     anySoftware ? ` ${kSoftwareNote}.` : "",
                 ),
