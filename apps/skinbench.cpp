@@ -236,6 +236,18 @@ void addRender(CLI::App& program, int& status) {
     command->callback([options, &status] { status = runRender(*options); });
 }
 
+constexpr const char* kInspectColumns =
+    "Columns of the tables:\n"
+    "  vertices, triangles  of a meshlet, on average; v fill, t fill: the share of its limits that they are\n"
+    "  reuse                how many meshlets a vertex is in, on average\n"
+    "  tuples               different sets of joints of a meshlet's vertices, on average\n"
+    "  joints, most         different joints of a meshlet, on average and at the most\n"
+    "  common               meshlets whose vertices share one list of joints\n"
+    "  records              vertices that are stored then, with copies\n"
+    "  remainder            triangles in the other meshlets\n"
+    "  blend                bytes a vertex for joints and weights, with copied vertices\n"
+    "docs/codecs.md says what the codecs, buffers and errors are.\n";
+
 void addInspect(CLI::App& program, int& status) {
     auto options = std::make_shared<InspectOptions>();
     CLI::App* command = program.add_subcommand("inspect", "a scene's meshlets, codec errors and buffer sizes");
@@ -253,6 +265,7 @@ void addInspect(CLI::App& program, int& status) {
     command->add_flag("--all", options->all,
                       "also unwelded and in the file's order (default: only as drawn, welded and in cache order)");
     command->add_flag("--json", options->json, "print JSON");
+    command->footer(kInspectColumns);
     command->callback([options, &status] { status = runInspect(*options); });
 }
 

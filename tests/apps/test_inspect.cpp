@@ -273,6 +273,13 @@ TEST_CASE("the command inspect") {
     for (const Json& row : tree["meshlets"]) CHECK(row["mean_vertices"] <= 32.0);
 }
 
+TEST_CASE("inspect's help explains the columns that it prints") {
+    const program::Outcome help = program::call({"inspect", "--help"});
+    CHECK(help.status == 0);
+    for (const char* column : {"v fill, t fill", "reuse", "joints, most", "records", "remainder", "blend"})
+        CHECK_THAT(help.out, Catch::Matchers::ContainsSubstring(column));
+}
+
 TEST_CASE("inspect refuses bad input with one line") {
     fixture::writeText("broken.gltf", "{\"asset\": {");
     const std::vector<std::pair<program::Words, const char*>> calls = {
