@@ -261,8 +261,9 @@ TEST_CASE("every codec row can be found, and its names are unique") {
         CHECK(names.insert(codec.name).second);
         CHECK(findCodec(codec.name) == &codec);
     }
+    // Those without a block in tests/codecs/glsl_decoders.h.
     for (const glsl::Decoder* decoder : glsl::decoders()) names.erase(decoder->codec);
-    CHECK(names.empty());
+    CHECK(names == std::set<std::string>());
 }
 
 TEST_CASE("how a vertex is stored is said in words: the tuple has the joints that decode") {
