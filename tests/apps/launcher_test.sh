@@ -3,7 +3,7 @@
 # usage: launcher_test.sh LAUNCHER FOLDER
 set -eu
 launcher=$1
-folder=$2
+folder=$2/files  # alone is cleared
 rm -rf "$folder"
 mkdir -p "$folder/tar/bin" "$folder/tar/libexec" "$folder/system"
 sed 's/^needed=.*/needed=2.38/' "$launcher" >"$folder/tar/bin/skinbench"

@@ -7,7 +7,8 @@ import shutil
 import subprocess
 import sys
 
-program, page, folder = sys.argv[1:]
+program, page = sys.argv[1:3]
+folder = os.path.join(sys.argv[3], "files")  # alone is cleared
 shutil.rmtree(folder, ignore_errors=True)
 os.makedirs(folder + "/bin")
 os.symlink(os.path.abspath(program), folder + "/bin/skinbench")

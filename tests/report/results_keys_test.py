@@ -9,7 +9,8 @@ import shutil
 import subprocess
 import sys
 
-program, page, folder = sys.argv[1:]
+program, page = sys.argv[1:3]
+folder = os.path.join(sys.argv[3], "files")  # alone is cleared
 SMALL = ["--copies", "1", "--frames", "2", "--size", "64x64"]
 RUNS = {  # skipped, prepass and host-skinned cases; several views and queues; pairs and limits
     "cases": ["--routes", "cpu,vk,vk-ext,vk-nv", "--variants", "vertex,cpu,mesh-ci", "--scenario", "prepass",

@@ -2,7 +2,7 @@
 # tools/host_driver.sh over an invented host.     usage: host_driver_test.sh REPOSITORY FOLDER
 set -euo pipefail
 script=$1/tools/host_driver.sh
-host=$2
+host=$2/files  # alone is cleared
 libraries=$host/usr/lib64
 
 fail() {
