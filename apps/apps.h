@@ -1,6 +1,7 @@
 // What the subcommands share: the words of the command line, the selectors of bench and verify, opened devices.
 #pragma once
 
+#include <functional>
 #include <memory>
 #include <optional>
 #include <string>
@@ -165,7 +166,8 @@ void keepPrevious(const std::string& path);
 
 // Path and text of each. All are written, or none (writeWholeFiles), with one line on standard error and status 1. The
 // first one, unless it is `printed` already, then goes to the folder for temporary files, and the line says where.
-int writeOutputs(const std::vector<std::pair<std::string, std::string>>& files, bool printed);
+int writeOutputs(const std::vector<std::pair<std::string, std::string>>& files, bool printed,
+                 const std::function<void()>& beforeReplacing);
 
 // Everything but `bench` and `calibrations`. `scene` is the workload's, prepared.
 RunContext runContext(const Devices& devices, const Workload& workload, const Scene& scene);

@@ -45,16 +45,18 @@ bool isWorthAFile(const ResultFiles& files, const std::vector<CaseResult>& resul
     });
 }
 
-// Gives whether files may be written now; `own`: the run has something of its own.
-bool begin(ResultFiles& files, bool own) {
-    if (files.folder.empty()) return false;
+// `own`: the run has something of its own.
+bool mayWrite(const ResultFiles& files, bool own) {
     std::error_code failed;
-    if (!files.begun && !own && std::filesystem::exists(files.path("results.json"), failed)) return false;
-    if (!std::exchange(files.begun, true)) {
-        for (const char* name : kResultFiles) keepPrevious(files.path(name));
-        noteKept(files.path("results.json"));
-    }
-    return true;
+    return !files.folder.empty() &&
+           (files.begun || own || !std::filesystem::exists(files.path("results.json"), failed));
+}
+
+// Before the first files of this run replace those of the run before.
+void keepOthers(ResultFiles& files) {
+    if (std::exchange(files.begun, true)) return;
+    for (const char* name : kResultFiles) keepPrevious(files.path(name));
+    noteKept(files.path("results.json"));
 }
 
 std::vector<std::pair<std::string, std::string>> contentOf(const ResultFiles& files,
@@ -132,8 +134,8 @@ int finishRun(const RunOptions& options, ResultFiles& files, const nlohmann::ord
     sayUntimed(options, json);
     const bool own = isWorthAFile(files, results);
     int written = kExitDone;
-    if (begin(files, own || !interrupted())) {
-        written = writeOutputs(contentOf(files, json), options.json);
+    if (mayWrite(files, own || !interrupted())) {
+        written = writeOutputs(contentOf(files, json), options.json, [&] { keepOthers(files); });
         if (written == kExitDone) say(files.folder + "/results.json, results.csv, report.html");
     } else if (!files.folder.empty()) {
         say(files.path("results.json") + " is that of an earlier run");
@@ -210,8 +212,9 @@ int runOnDevice(const RunOptions& options) {
     BenchEvents events = consoleEvents(context);
     bool warned = false;
     events.checkpoint = nowAndThen([&](const std::vector<CaseResult>& results) {
-        if (!begin(files, isWorthAFile(files, results))) return;
-        warnOnce(warned, writeWholeFiles(contentOf(files, resultsJson(context, results))));
+        if (!mayWrite(files, isWorthAFile(files, results))) return;
+        const auto content = contentOf(files, resultsJson(context, results));
+        warnOnce(warned, writeWholeFiles(content, [&] { keepOthers(files); }));
     });
     auto results = runBench(*workload, *cases, devices->byApi, context.bench, events);
     if (!results) return reportError(results.error());

@@ -170,6 +170,10 @@ int runProbe(const ProbeOptions& options) {
                 {Fault::device, interrupted() ? "interrupted before a case was done" : "no route could be timed"});
         else if (interrupted())
             say("interrupted; what was measured until then is printed");
+        for (const Json& row : measured["cases"])
+            if (row["failed"] == true && status == kExitDone)
+                status = reportError(
+                    {Fault::device, row["id"].get<std::string>() + " failed: " + row["reason"].get<std::string>()});
     }
     if (options.json)
         std::cout << dumpJson(probeJson(*found, measured)) << "\n";

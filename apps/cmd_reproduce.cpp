@@ -182,13 +182,15 @@ std::vector<std::pair<std::string, std::string>> filesOf(const ReproduceOptions&
 }
 
 // Files of an earlier run stay until this one has some of its own.
+void keepOthers(const ReproduceOptions& options, bool& begun) {
+    if (std::exchange(begun, true)) return;
+    for (const char* name : kFiles) keepPrevious(options.out + name);
+    noteKept(options.out + kFiles[0]);
+}
+
 void saveAll(const ReproduceOptions& options, const Thesis& thesis, const std::vector<ReproduceScene>& scenes,
              bool& begun, bool& warned) {
-    if (!std::exchange(begun, true)) {
-        for (const char* name : kFiles) keepPrevious(options.out + name);
-        noteKept(options.out + kFiles[0]);
-    }
-    warnOnce(warned, writeWholeFiles(filesOf(options, thesis, scenes)));
+    warnOnce(warned, writeWholeFiles(filesOf(options, thesis, scenes), [&] { keepOthers(options, begun); }));
 }
 
 std::vector<const Route*> routesOf(const std::vector<PlannedRun>& runs) {
@@ -249,7 +251,7 @@ int runReproduce(const ReproduceOptions& options) {
     const auto files = filesOf(options, *thesis, scenes);
     std::cout << (options.json ? files.front().second : reproduceText(thesis->reproduce(scenes)));
     const int printed = flushOutput();
-    const int written = writeOutputs(files, options.json);
+    const int written = writeOutputs(files, options.json, [&] { keepOthers(options, begun); });
     if (written == kExitDone) say(options.out + "/reproduce.md, reproduce.html, reproduce.json");
     const int status = statusOf(all.results);
     if (interrupted() && status == kExitDone) say("interrupted; what was measured until then is kept");

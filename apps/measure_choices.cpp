@@ -38,6 +38,7 @@ Json rowOf(const CaseResult& result) {
             {"variant", result.theCase.variant->name},
             {"median_ms", timed ? Json(result.figures->total.median) : Json(nullptr)},
             {"interval", timed ? Json::array({interval.low, interval.high}) : Json(nullptr)},
+            {"failed", result.status == CaseStatus::failed},
             {"reason", timed ? Json(nullptr) : Json(result.reason)}};
 }
 

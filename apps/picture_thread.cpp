@@ -5,6 +5,7 @@
 
 #include "common/core/text.h"
 #include "common/measure/picking.h"
+#include "common/plans/plan_parts.h"
 #include "common/report/columns.h"
 
 namespace skinbench {
@@ -114,8 +115,7 @@ void prepareLane(Work& work, Lane& lane, const PictureRequest& request, const Ca
     lane.facts = {figuresText(result, "memory_bytes")};
     const PlanInput& input = lane.ready->input;
     if (!input.meshlets) return;
-    const Mesh& mesh = input.records ? input.records->mesh : input.scene->mesh;
-    const MeshletStats stats = meshletStats(mesh, *input.meshlets);
+    const MeshletStats stats = meshletStats(decodedMesh(input), *input.meshlets);
     lane.facts.push_back(
         std::format("{}: {:.1f} vertices, {:.1f} triangles, {:.1f} tuples each; each vertex {:.2f} times",
                     counted(stats.meshlets, "meshlet"), stats.meanVertices, stats.meanTriangles, stats.meanUniqueTuples,

@@ -128,16 +128,20 @@ void keepPrevious(const std::string& path) {
     if (!fs::is_regular_file(fs::symlink_status(path, failed))) return;
     fs::path previous(path);
     previous.replace_extension(".previous" + previous.extension().string());
-    fs::remove(previous, failed);
-    fs::create_hard_link(path, previous, failed);
+    const fs::path link = previous.string() + ".part";
+    fs::remove(link, failed);
+    fs::create_hard_link(path, link, failed);
     // A file system without links. Where the disk is full, what is there stays.
-    if (failed == std::errc::operation_not_permitted || failed == std::errc::operation_not_supported ||
-        failed == std::errc::function_not_supported)
-        fs::rename(path, previous, failed);
+    const bool linked = !failed, without = failed == std::errc::operation_not_permitted ||
+                                           failed == std::errc::operation_not_supported ||
+                                           failed == std::errc::function_not_supported;
+    if (linked || without) fs::rename(linked ? link : fs::path(path), previous, failed);
+    if (linked) fs::remove(link, failed);  // rename leaves both where they are one file already
 }
 
-int writeOutputs(const std::vector<std::pair<std::string, std::string>>& files, bool printed) {
-    const auto written = writeWholeFiles(files);
+int writeOutputs(const std::vector<std::pair<std::string, std::string>>& files, bool printed,
+                 const std::function<void()>& beforeReplacing) {
+    const auto written = writeWholeFiles(files, beforeReplacing);
     if (written) return kExitDone;
     std::string text = written.error().text;
     if (!printed) {

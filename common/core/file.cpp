@@ -166,7 +166,8 @@ Result<void> writeWholeFile(const std::string& path, std::string_view bytes) {
     return putInPlace(written);
 }
 
-Result<void> writeWholeFiles(const std::vector<std::pair<std::string, std::string>>& files) {
+Result<void> writeWholeFiles(const std::vector<std::pair<std::string, std::string>>& files,
+                             const std::function<void()>& beforeReplacing) {
     std::vector<Written> written;
     for (const auto& [path, bytes] : files) {
         const auto target = targetOf(path);
@@ -174,6 +175,7 @@ Result<void> writeWholeFiles(const std::vector<std::pair<std::string, std::strin
         if (*target != Target::file) return inputError(path + ": is no regular file");
         SKINBENCH_TRY(writeBeside(written.emplace_back(path, ""), bytes));
     }
+    if (beforeReplacing) beforeReplacing();
     for (Written& file : written) SKINBENCH_TRY(putInPlace(file));
     return {};
 }

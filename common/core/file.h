@@ -2,6 +2,7 @@
 // path helps, and Fault::device where the machine has no room, no memory or a broken disk.
 #pragma once
 
+#include <functional>
 #include <span>
 #include <string>
 #include <string_view>
@@ -19,8 +20,10 @@ namespace skinbench {
 Result<void> writeWholeFile(const std::string& path, std::string_view bytes);
 
 // Several regular files, each a path and its bytes, that belong together: the first old one is replaced when all new
-// ones are written beside them, so that a full disk leaves all old ones as they were.
-Result<void> writeWholeFiles(const std::vector<std::pair<std::string, std::string>>& files);
+// ones are written beside them, so that a full disk leaves all old ones as they were. `beforeReplacing` is called in
+// between.
+Result<void> writeWholeFiles(const std::vector<std::pair<std::string, std::string>>& files,
+                             const std::function<void()>& beforeReplacing = {});
 
 // What would stop writeWholeFile, before there is anything to write: the same refusals, a folder in which no file can
 // be made, and an output that is one of `inputs`. Makes the folder.

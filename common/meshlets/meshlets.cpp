@@ -96,6 +96,7 @@ MeshletStats meshletStats(const Mesh& mesh, const MeshletMesh& cut) {
     uint64_t vertices = 0, triangles = 0, tuples = 0;
     const TupleTable table = distinctTuples(mesh, kMaxInfluences);
     std::vector<size_t> seenIn(table.tuples.size(), SIZE_MAX);  // the last meshlet that has the tuple
+    SKINBENCH_ASSERT(cut.vertices.empty() || std::ranges::max(cut.vertices) < table.vertexTuple.size());
     for (size_t m = 0; m < cut.meshlets.size(); ++m) {
         const Meshlet& meshlet = cut.meshlets[m];
         vertices += meshlet.vertexCount;

@@ -302,7 +302,14 @@ Result<Comparison> comparePairs(const Json& a, const Json& b, std::span<const st
     }
 }
 
+static std::string drawnText(const Comparison& comparison) {
+    std::string words;
+    for (const std::string& word : comparison.drawn) words += (words.empty() ? "" : ", ") + word;
+    return "A and B do not draw the same (" + words + "): B/A says nothing about which is faster";
+}
+
 std::vector<std::string> findWorse(const Comparison& comparison, double percent, bool allowMissing) {
+    if (!comparison.drawn.empty()) return {drawnText(comparison)};
     std::vector<std::string> lines;
     auto add = [&](const char* one, const char* more, const auto& belongs, const auto& detail) {
         const auto first = std::ranges::find_if(comparison.cases, belongs);
@@ -410,11 +417,7 @@ std::string comparisonText(const Comparison& comparison, size_t width) {
     for (const std::string& difference : comparison.differences)
         text += wrapText("differs: " + difference, width, 9) + "\n";
     if (!comparison.drawn.empty()) {
-        std::string words;
-        for (const std::string& word : comparison.drawn) words += (words.empty() ? "" : ", ") + word;
-        text += wrapText("! A and B do not draw the same (" + words + "): B/A says nothing about which is faster",
-                         width, 2) +
-                "\n";
+        text += wrapText("! " + drawnText(comparison), width, 2) + "\n";
     }
     text +=
         std::format("noise floor: {:.2f} %{}\n", comparison.noiseFloor * 100,

@@ -83,7 +83,8 @@ Result<Comparison> comparePairs(const nlohmann::ordered_json& a, const nlohmann:
 
 // What makes `--fail-above percent` fail, a sentence for each kind: cases whose whole interval lies more than `percent`
 // and the noise floor above 1, that are ok in A and missing in B (unless allowed) or not ok there, that failed in B,
-// that have no time or too few samples; and that nothing was compared at all. Empty: B is no worse than A.
+// that have no time or too few samples; that the files draw different things, and that nothing was compared at all.
+// Empty: B is no worse than A.
 std::vector<std::string> findWorse(const Comparison& comparison, double percent, bool allowMissing);
 
 nlohmann::ordered_json comparisonJson(const Comparison& comparison);

@@ -63,6 +63,19 @@ TEST_CASE("requests that are on the way together have the pictures of their own 
     }
 }
 
+TEST_CASE("a codec that splits vertices is drawn, and its meshlets are counted", "[window]") {
+    PictureThread& thread = threadOfWindow();
+    Case split = makeCase("vk-ext", "mesh");
+    split.codec = findCodec("pdc8");
+    PictureRequest request = requestOf(1, {split, makeCase("vk", "vertex")});
+    request.scene = "builtin:biped:2000";
+    thread.post(request);
+    const auto drawn = thread.take();
+    for (const std::string& message : drawn->messages) FAIL_CHECK(message);
+    REQUIRE_FALSE(drawn->all.empty());
+    CHECK(drawn->all.front().image.rgba.size() == 4u * 96 * 64);
+}
+
 TEST_CASE("a request that has not begun gives way to the next one, which asks for all that both did", "[window]") {
     threadOfWindow();
     PictureThread thread({});

@@ -116,6 +116,11 @@ TEST_CASE("several files replace the old ones together, or none does") {
     CHECK(*readWholeFile(a) == "one");
     CHECK(*readWholeFile(b) == "two");
     CHECK(filesIn(folder) == 2);
+    std::string before;
+    CHECK_FALSE(writeWholeFiles({{a, "new"}, {"/dev/null", "new"}}, [&] { before = "called"; }));
+    CHECK(before.empty());
+    REQUIRE(writeWholeFiles({{a, "new"}, {b, "new"}}, [&] { before = *readWholeFile(a) + *readWholeFile(b); }));
+    CHECK(before == "onetwo");
 }
 
 TEST_CASE("what cannot be read is told with its path") {

@@ -447,6 +447,7 @@ TEST_CASE("a comparison of files that draw something else has a line that warns 
     CHECK_THAT(comparisonText(comparisonOf(a, b)),
                ContainsSubstring("\n! A and B do not draw the same (scene, copies): B/A says nothing about which is "
                                  "faster\n"));
+    CHECK(findWorse(comparisonOf(a, b), 50, false).size() == 1);
     // What one of them does not say is no difference.
     b = a;
     b["settings"].erase("copies");
